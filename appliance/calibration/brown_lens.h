@@ -13,7 +13,7 @@ namespace cyclorama::calibration {
 enum class LensRefusal {
   kNone,
   kNotFinite,   ///< The pixel is NaN or infinite.
-  kBeyondFold,  ///< No direction on this side of the fold is imaged there.
+  kBeyondFold,  ///< The pixel is beyond the image of the fold.
 };
 
 struct SlopeAnswer {
@@ -42,10 +42,11 @@ struct SlopeAnswer {
 class BrownLens {
  public:
   static constexpr double kMinMagnification = 1e-3;
-  static constexpr double kMaxSlope = 57.0;  ///< 89° from the axis.
+  static constexpr double kMaxSlope = 57.0;  ///< Slope at 89° from the axis.
   static constexpr double kRoundTripPx = 1e-9;
 
-  /// Errors: kInvalidArgument for a size or a focal length that is not positive, or a number that is not finite.
+  /// Makes a lens. Errors: kInvalidArgument for a size or a focal length that is not positive, or a number that is not
+  /// finite.
   static Result<BrownLens> from(const BrownParameters& parameters);
 
   [[nodiscard]] const BrownParameters& parameters() const { return parameters_; }

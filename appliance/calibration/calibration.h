@@ -32,19 +32,19 @@ struct CalibratedTurntable {
   MeasuredLens camera;  ///< Refined by the bundle adjustment.
   double pitch_rad = 0.0;
   double roll_rad = 0.0;
-  Eigen::Vector2d offset_m{0.0, 0.0};  ///< From the axis to the camera's centre: right, forward.
+  Eigen::Vector2d offset_m{0.0, 0.0};  ///< Offset from the turntable's axis to the camera's centre: right, forward.
   /// Standard deviation of the offset, at the wall's mean inverse distance; if the offset is taken to be 0, the
   /// deviation includes the offset that was found.
   Eigen::Vector2d offset_sigma_m{0.0, 0.0};
   InverseDepthTerms inverse_depth{};  ///< Inverse distance of the wall, added to that of `wall` if there is one.
-  std::optional<Surface> wall{};      ///< The wall that had been fitted before, if any.
+  std::optional<Surface> wall{};      ///< The wall, if it had been fitted before.
   std::vector<double> angles_rad;     ///< One per direction.
-  std::size_t reference = 0;          ///< The direction that keeps its reported angle.
+  std::size_t reference = 0;          ///< Index of the direction that keeps its reported angle.
 
   bool is_offset_estimated = false;
   std::string offset_reason;            ///< Reason why the offset was or was not estimated, for the installer.
   std::vector<std::string> parameters;  ///< Names of the covariance's rows.
-  Eigen::MatrixXd covariance;           ///< Priors included.
+  Eigen::MatrixXd covariance;           ///< Covariance of `parameters`, including priors.
   int rank = 0;                         ///< Number of parameters that the measurements alone determine.
   std::size_t tracks = 0;               ///< Number of points that were seen from several directions.
   double rms_px = 0.0;  ///< Root mean square error per axis, in projector pixels, over the tracks that were used.
@@ -52,10 +52,10 @@ struct CalibratedTurntable {
 };
 
 struct FittedProjector {
-  MeasuredLens lens;  ///< Covariance included.
+  MeasuredLens lens;  ///< With its covariance.
   RigidTransform<frame::Eye, frame::Projector> T_eye_projector;
   Eigen::Matrix<double, 6, 6> pose_covariance =
-      Eigen::Matrix<double, 6, 6>::Zero();  ///< Rotation in its own frame, then translation.
+      Eigen::Matrix<double, 6, 6>::Zero();  ///< Rotation in the projector's frame, then translation.
 };
 
 struct SurfaceFit {
@@ -72,7 +72,7 @@ struct ModelTrial {
   std::string name;
   int parameters = 0;            ///< Number of parameters of the wall, or of one lens.
   double training_rms_px = 0.0;  ///< For information; never used for the selection.
-  double heldout_rms_px = 0.0;   ///< Over all folds.
+  double heldout_rms_px = 0.0;   ///< Root mean square error over all folds, for left-out measurements.
   double scatter = 0.0;          ///< Relative spread of the wall's distance between folds.
   bool is_usable = false;        ///< The model could be fitted, and its folds agree.
 };
@@ -89,15 +89,15 @@ struct ModelChoice {
 struct CalibratedProjector {
   std::string name;
   MeasuredMap map;
-  bool is_previous = false;  ///< The previous map predicted the new measurements better and was kept.
+  bool is_previous = false;  ///< True: the previous map was kept, since it predicted the new measurements better.
 };
 
 struct Calibration {
-  std::string date;  ///< "2026-11-22T13-05-00Z": also a folder's name.
+  std::string date;  ///< Such as "2026-11-22T13-05-00Z"; also the name of a folder.
   CalibratedTurntable turntable;
   std::vector<CalibratedProjector> projectors;
-  std::optional<ModelChoice> wall;   ///< Absent if it was not requested or could not be found.
-  std::vector<std::string> remarks;  ///< Shortcomings and remedies, for the installer.
+  std::optional<ModelChoice> wall;   ///< Absent if no wall was requested, or none could be found.
+  std::vector<std::string> remarks;  ///< Shortcomings with their remedies, for the installer.
 };
 
 }  // namespace cyclorama::calibration

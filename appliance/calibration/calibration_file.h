@@ -25,7 +25,7 @@
 
 namespace cyclorama::calibration {
 
-/// Returns a calibration as text without its maps, whose file names it contains.
+/// Returns a calibration as text. The maps are not included, but the names of their files are.
 [[nodiscard]] std::string calibration_json(const Calibration& calibration);
 
 /// Inverse of calibration_json(): maps have their sizes but no directions. `name` stands for the file in errors.
@@ -45,7 +45,7 @@ struct CalibrationPart {
 Status save_calibration(const std::filesystem::path& folder, const Calibration& calibration,
                         std::span<const CalibratedColour> colours = {}, std::span<const CalibrationPart> parts = {});
 
-/// Reads FOLDER/calibration.json and its maps. Errors: those of parse_calibration() and of reading the files.
+/// Reads FOLDER/calibration.json and its maps. Errors: those of parse_calibration(), and those of reading the files.
 Result<Calibration> read_calibration(const std::filesystem::path& folder);
 
 /// Returns the folder with the maps, colours and pictures of the calibration of `date`. Precondition: a calibration of

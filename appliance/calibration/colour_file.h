@@ -33,7 +33,7 @@ struct CalibratedColour {
   warp::HeadColour colour;
 };
 
-/// Returns the text without the pictures, whose file names it contains.
+/// Returns the colours as text. The pictures are not included, but the names of their files are.
 [[nodiscard]] std::string colours_json(std::span<const CalibratedColour> colours);
 /// Inverse of colours_json(): masks and black lifts are empty. Errors: those of parse_calibration().
 Result<std::vector<CalibratedColour>> parse_colours(std::string_view text, const std::string& name);

@@ -7,7 +7,7 @@
 namespace cyclorama::calibration {
 namespace {
 
-/// Returns the point where the ray with a slope, from a pose, meets the extended wall.
+/// Returns the point where the ray with that slope from that pose meets the extended wall.
 std::optional<Eigen::Vector3d> landing(const Eigen::Vector2d& slope,
                                        const RigidTransform<frame::Room, frame::Projector>& pose, const Wall& wall) {
   const auto point = hit_extended(wall, {{pose.translation()}, pose.rotation() * slope.homogeneous()});

@@ -10,10 +10,11 @@
 namespace cyclorama::calibration {
 namespace {
 
-constexpr int kTableAcross = 2048;  // Columns of a table over the picture; weights are smooth over a hundred of them.
-using Table = Image<float, 1>;      // inwardness() of the projector's pixel at each position of the picture.
+// Columns of a table that covers the picture; weights hardly vary within a hundred of them.
+constexpr int kTableAcross = 2048;
+using Table = Image<float, 1>;  // Values of inwardness() for the projector's pixel at each position of the picture.
 
-/// Same as in blend_mask.cpp: 1 in the middle of the picture, 0 at its edges.
+/// Same as inwardness() in blend_mask.cpp: 1 in the middle of the picture, 0 at its edges.
 double inwardness(const MeasuredMap& map, const Eigen::Vector2d& pixel) {
   const double w = map.width_px;
   const double h = map.height_px;

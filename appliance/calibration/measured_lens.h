@@ -22,7 +22,7 @@ struct MeasuredLens {
 
   int width_px = 0;
   int height_px = 0;
-  std::array<double, kParameters> values{};    ///< Indexed by Parameter; the first three in pixels.
+  std::array<double, kParameters> values{};    ///< Indexed by Parameter. The first three are in pixels.
   Covariance covariance = Covariance::Zero();  ///< A parameter with variance 0 is exact.
 
   /// Returns an undistorted, centred lens with the uncertainties of a data sheet: a twentieth of the focal length, and

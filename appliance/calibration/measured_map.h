@@ -19,9 +19,10 @@ struct MeasuredMap {
   int height_px = 0;
   int cells_x = 0;
   int cells_y = 0;
-  /// (cells_x + 1) * (cells_y + 1) unit vectors, Eye frame, row by row from the top; NaN where no data is nearby.
+  /// (cells_x + 1) * (cells_y + 1) unit vectors in the Eye frame, row by row from the top; NaN where no data is nearby.
   std::vector<Eigen::Vector3d> directions;
-  std::vector<double> sigma_px;  ///< One per direction, in projector pixels per axis; large in gaps and beyond the rim.
+  /// One for each direction, in projector pixels per axis; large in gaps and beyond the rim of the data.
+  std::vector<double> sigma_px;
   double heldout_rms_px = 0.0;   ///< Root mean square error per axis, over cells that were left out of the fit.
   /// Change of slope per cell that the smoothness term expects; chosen with left-out cells.
   double stiffness_px = 0.0;

@@ -13,7 +13,7 @@
 
 namespace cyclorama::calibration {
 
-/// Light of a channel for each 8-bit code, in [0, 1].
+/// Light of a channel, in [0, 1], for each 8-bit code.
 using CodeLight = std::array<float, 256>;
 [[nodiscard]] CodeLight gamma_light(double gamma);
 /// Rounds to steps of 1/65535, the resolution of the files.
@@ -24,8 +24,9 @@ struct ShowProjector {
   BrownParameters lens;
   RigidTransform<frame::Room, frame::Projector> T_room_projector;
   std::array<CodeLight, 3> light{};             ///< Measured response; gamma_light(2.2) is an adequate substitute.
-  std::array<float, 3> grey{.21f, .72f, .07f};  ///< Grey response of a camera to each channel.
-  /// Reason why the pose is unknown; the position of its light is then too uncertain to use. Empty: the pose is known.
+  std::array<float, 3> grey{.21f, .72f, .07f};  ///< Response of a grey camera to each channel.
+  /// Reason why the pose is unknown; the position of the projector's light is then too uncertain to use. Empty: it is
+  /// known.
   std::string unplaced{};
 };
 

@@ -30,7 +30,7 @@ struct ShowFile {
     RigidTransform<frame::Room, frame::Projector> applied;
     /// Present once the continuous calibration has estimated the scan's residual error.
     struct Learned {
-      RigidTransform<frame::Room, frame::Projector> believed;  ///< Estimated pose.
+      RigidTransform<frame::Room, frame::Projector> believed;  ///< The pose as estimated.
       /// Pose that would be estimated if `applied` were exact.
       RigidTransform<frame::Room, frame::Projector> at_rest;
       /// Square root of the covariance; see PoseFilter::root().
@@ -45,7 +45,7 @@ struct ShowFile {
     std::string name;
     BrownParameters lens;
     RigidTransform<frame::Room, frame::Camera> T_room_camera;
-    std::optional<PoseMatrix> root{};  ///< Square root of the pose's covariance, once estimated.
+    std::optional<PoseMatrix> root{};  ///< Square root of the pose's covariance; absent until it is estimated.
   };
   std::string calibration;  ///< Date of the calibration.
   std::vector<Projector> projectors;
@@ -59,9 +59,9 @@ inline constexpr const char* kCorrectionFile = "correction.json";
 /// Inverse of show_json(). `name` stands for the file in errors. Errors: kBadData, such as "watch.json:
 /// /projectors/0/lens: ...; remedy".
 Result<ShowFile> parse_show(std::string_view text, const std::string& name);
-/// Errors: those of read_text_file() and parse_show().
+/// Reads watch.json or correction.json. Errors: those of read_text_file() and parse_show().
 Result<ShowFile> read_show(const std::filesystem::path& path);
-/// Errors: those of write_file_atomically().
+/// Writes watch.json or correction.json. Errors: those of write_file_atomically().
 Status write_show(const std::filesystem::path& path, const ShowFile& show);
 
 }  // namespace cyclorama::calibration

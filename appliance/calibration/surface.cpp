@@ -111,7 +111,7 @@ std::optional<double> profile(const SplineAxis& axis, const double* parameters, 
   using Jet = ceres::Jet<double, 2>;
   const Vector3<Jet> observation = turned_back(Jet(0.0), Jet(parameters[0], 0), Jet(parameters[1], 1), d);
   const Jet flat = sqrt(observation[0] * observation[0] + observation[2] * observation[2]);
-  if (!(flat.a > 1e-9)) return 0.0;  // Along the axis: infinitely far.
+  if (!(flat.a > 1e-9)) return 0.0;  // Along the axis, the wall is infinitely far.
   const Jet angle = atan2(observation[0], -observation[2]);
   const SplineWeights w = spline_weights(axis, angle.a);
   double value = 0.0;

@@ -48,7 +48,7 @@ struct InverseDepthSlopes {
 
 struct Surface {
   SurfaceModel model = SurfaceModel::kPlane;
-  /// Columns: right, up, back, for an eye that looks at the wall's middle. Right-handed.
+  /// Columns: right, up and back of an eye that looks at the wall's middle. Right-handed.
   Eigen::Matrix3d R_eye_wall = Eigen::Matrix3d::Identity();
   double distance_m = 4.0;
   SplineAxis across{};  ///< For a profile (angle about the axis) and a mesh (first angle of its chart).

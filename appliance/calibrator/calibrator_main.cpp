@@ -141,7 +141,7 @@ void add_watch_options(CLI::App& app, Options* ret) {
 }
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kReadByEye_rad = 0.3 * kDegree;  // Error of reading a scale of whole degrees by eye.
+constexpr double kReadByEye_rad = 0.3 * kDegree;  // Error of a scale with whole degrees that is read by eye.
 
 constexpr double kMillisecond = 1e-3;
 constexpr const char* kOwnDisplay = "[::1]:7404";
@@ -359,7 +359,8 @@ Status run(const Options& options, const StopSignal& stop) {
   notify.stopping();
   calibrator.stop();
   healing.stop();
-  server->stop(std::chrono::seconds(5));  // A photograph may take a second, and the patterns must be removed.
+  // A photograph may take a second, and the patterns must be removed from the wall.
+  server->stop(std::chrono::seconds(5));
   return Done{};
 }
 

@@ -22,7 +22,7 @@ struct CalibrationDevices {
   std::unique_ptr<scan::ScanCamera> camera;
   std::unique_ptr<scan::ScanCamera> colour_camera;  ///< See ScanDevices; may be null.
   std::unique_ptr<scan::PatternScreen> screen;      ///< Last member, so that it is released first.
-  scan::ScanSettings settings;                      ///< Includes this camera's lens.
+  scan::ScanSettings settings;                      ///< Includes the lens of this camera.
 };
 using DeviceOpener = std::function<Result<CalibrationDevices>()>;
 
@@ -63,7 +63,7 @@ class CalibratorService final : public wire::Calibrator::Service {
   const Clock& clock_;
   InspectionService* inspection_;
 
-  std::mutex busy_;  ///< Held by the call that is working.
+  std::mutex busy_;  ///< Held by the call that uses the devices.
   mutable std::mutex mutex_;
   std::string state_;
   bool is_healthy_ = true;

@@ -21,7 +21,8 @@ class TurntablePrompt {
 
   /// Sets the listener when a calibration begins; null when it has ended.
   void set_listener(Listener listener);
-  /// Returns false if no question is open. An empty text means that the turntable was turned as requested.
+  /// Answers the open question. Returns false if there is none. An empty text means that the turntable was turned as
+  /// requested.
   bool answer(const std::string& text);
   /// See TurntableOperator::answer().
   Result<std::string> ask(const std::string& question, std::chrono::milliseconds timeout);

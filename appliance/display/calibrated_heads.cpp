@@ -67,7 +67,7 @@ Status add_colours(std::vector<calibration::CalibratedColour> colours, const Ins
   return Done{};
 }
 
-/// Minimum displacement at which masks follow their projector; below it, their ramps hardly differ.
+/// Displacement of a projector from which masks are adapted to it; below it, their ramps hardly change.
 constexpr double kCarryMasksFrom_px = 2.0;
 
 /// Adapts the maps to the present poses. Returns true if a projector moved so far that the masks must follow. Without a

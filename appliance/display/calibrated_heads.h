@@ -19,7 +19,7 @@ struct CalibratedHeads {
   std::vector<HeadPlan> heads;       ///< In the order of the installation's projectors.
   std::string date;                  ///< Date of the calibration.
   std::vector<std::string> lacking;  ///< Projectors that the calibration lacks; they keep their planned heads.
-  /// Projectors displaced since the calibration, whose heads draw for their present poses.
+  /// Projectors that were displaced since the calibration; their heads draw for the present poses.
   std::vector<std::string> corrected = {};
 };
 

@@ -17,7 +17,7 @@
 
 namespace cyclorama::display {
 
-/// A change of the calibration, made ready for the presenter.
+/// A changed calibration, prepared for the presenter.
 struct CalibrationUpdate {
   std::optional<Error> trouble;        ///< Set if the calibration cannot be used; all other members are then empty.
   std::string date;                    ///< Date of the calibration.
@@ -31,7 +31,7 @@ struct CalibrationUpdate {
 /// files have changed. The files are replaced by renaming, so no read ever sees half a file.
 class CalibrationWatch {
  public:
-  /// `planned` are the heads that projectors keep if a calibration lacks them.
+  /// `planned`: the heads of projectors that a calibration lacks.
   CalibrationWatch(std::filesystem::path folder, Installation installation, PictureShape picture,
                    std::vector<HeadPlan> planned);
 

@@ -319,7 +319,7 @@ void Display::keep_connected() {
   if (clock_.now() < connect_at_) return;
   {
     const std::lock_guard lock(mutex_);
-    drops_.clear();  // Drops of one connection have no meaning for the next.
+    drops_.clear();  // Drops that belong to one connection have no meaning for the next.
     reported_after_ = newest_ready_;
   }
   stream_ = std::make_unique<ShowStream>(channel_, hello_, [this](wire::ShowMessage m) { on_message(std::move(m)); });

@@ -40,12 +40,13 @@ struct DisplayOptions {
   std::filesystem::path calibration;
   std::filesystem::path attract_picture;  ///< PNG or JPEG; empty: the built-in evening sky.
   AttractTimes attract_times;
-  OpeningHours hours;                    ///< The heads are dark outside of them.
+  OpeningHours hours;                    ///< Outside of these hours the heads are dark.
   std::filesystem::path hours_override;  ///< File with the operator's override of the hours for one day; empty: none.
   SystemClock system_clock = std::chrono::system_clock::now;
-  /// Called while the output opens, whenever a step is done. May be null.
+  /// Called after each step while the output opens. May be null.
   std::function<void()> on_start_step;
-  std::function<void(const RefreshEvent&)> on_refresh;  ///< For tools: called on main for every refresh; may be null.
+  /// For tools: called on the main thread for every refresh. May be null.
+  std::function<void(const RefreshEvent&)> on_refresh;
 };
 
 /// Receives one projection computer's picture as tiles and shows it on its heads. Its threads:
@@ -104,12 +105,12 @@ class Display : private FrameSink {
   const DisplayOptions options_;
   const Clock& clock_;
   Projection wanted_;
-  std::atomic<bool> is_awake_{true};  // Read by the output.
+  std::atomic<bool> is_awake_{true};  // Shared with the output, which reads it.
   InspectionService inspection_{"display"};
   RefreshReporter reporter_;
   PresentMailbox mailbox_;
   PatternService patterns_;
-  std::unique_ptr<ShownHistory> history_;  // Made in prepare(), before the first request.
+  std::unique_ptr<ShownHistory> history_;  // Created in prepare(), before the first request.
   std::unique_ptr<ShownService> showing_;
   TourClock tour_clock_;
   OverriddenHours hours_;
@@ -134,7 +135,7 @@ class Display : private FrameSink {
 
   // In this order, so that destruction, in reverse, keeps callbacks from reaching destroyed members.
   std::unique_ptr<WireServer> server_;
-  JpegDecoder pictures_;                     // For serve_watchers().
+  JpegDecoder pictures_;                     // Used by serve_watchers().
   std::unique_ptr<CalibrationWatch> watch_;  // Null without a calibration's folder.
   std::unique_ptr<PresentThread> present_;
   std::unique_ptr<DecodePool> pool_;

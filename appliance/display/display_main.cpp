@@ -16,9 +16,10 @@
 namespace cyclorama::display {
 namespace {
 
-// An emulated, busy processor needs almost a minute to compile a shader.
+// A busy, emulated processor needs almost a minute to compile a shader.
 constexpr auto kStartStepTimeout = std::chrono::minutes(3);
-constexpr double kProjectors_hz = 60.0;                 // Most projectors support it; others take their nearest rate.
+// Most projectors support this rate; others take the nearest rate that they support.
+constexpr double kProjectors_hz = 60.0;
 constexpr auto kTurn = std::chrono::milliseconds(100);  // Maximum delay until a stop is noticed.
 
 struct Options {

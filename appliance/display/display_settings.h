@@ -27,14 +27,14 @@ namespace cyclorama::display {
 struct DisplaySettings {
   std::filesystem::path attract_picture;  ///< Empty: the built-in picture.
   AttractTimes attract_times;
-  std::filesystem::path calibration;  ///< Empty: none.
+  std::filesystem::path calibration;  ///< Empty: there is none.
   int picture_width_px = 1024;        ///< 16 to 16384.
   int picture_height_px = 0;          ///< 0: such that pixels are square.
   std::optional<double> refresh_hz;   ///< 0.1 to 1000; absent: the output's default.
   OpeningHours hours;
 };
 
-/// Errors: those of Config::read().
+/// Reads site.toml. Errors: those of Config::read().
 Result<DisplaySettings> read_display_settings(const std::filesystem::path& path);
 /// Parses `text`; `name` stands for the file in errors.
 Result<DisplaySettings> parse_display_settings(std::string_view text, std::string name);

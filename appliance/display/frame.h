@@ -32,17 +32,17 @@ struct DisplayFrame {
   std::uint64_t order = 0;   ///< Counts frames begun by this display; a greater value is newer, whatever `number` is.
   std::uint64_t number = 0;  ///< Number of the view; 0: the display made the picture itself.
   double heading_rad = 0.0;
-  Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();  ///< Scene frame.
+  Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();  ///< Eye in the Scene frame.
   std::int64_t shutter_ns = 0;                      ///< See wire::View; 0 if keys steered.
   PictureShape shape;           ///< Shape of one eye's picture, with its guard band.
   int stacked = 1;              ///< Number of eyes' pictures in `picture`; 2: the left eye's above the right eye's.
   std::shared_ptr<const PlanarPicture> picture;
-  std::shared_ptr<const std::vector<PixelRect>> parts;  ///< Valid parts of the picture; null: all of it.
+  std::shared_ptr<const std::vector<PixelRect>> parts;  ///< Valid parts of the picture; null: the whole picture.
   /// Depth of the picture; null: the picture can only be shown from its own eye.
   std::shared_ptr<const ReprojectionMesh> mesh;
   std::string depth_trouble;    ///< Reason why the requested depth is missing; else empty.
-  double turn_limit_rad = 0.0;  ///< Maximum turn either way at which the heads show valid parts only.
-  std::size_t bytes = 0;        ///< JPEG bytes of all tiles.
+  double turn_limit_rad = 0.0;  ///< Maximum turn either way for which the heads show only valid parts.
+  std::size_t bytes = 0;        ///< Size of all tiles' JPEG data.
   std::uint32_t tiles = 0;      ///< Number of tiles received.
   std::uint32_t decoded = 0;    ///< Number of tiles that were decoded, because a head shows them.
   TimePoint begun_at{};

@@ -77,7 +77,8 @@ class FrameAssembler::DepthStore {
   std::shared_ptr<const InverseDepthImage> depth_;
 };
 
-/// One frame in assembly, shared by the assembler and its decode jobs. Its last holder delivers or drops it.
+/// One frame in assembly, shared by the assembler and the decode jobs. The last of its holders to finish delivers or
+/// drops it.
 class FrameAssembler::Assembly {
  public:
   Assembly(DisplayFrame frame, bool has_depth, const KnownParts& known, std::shared_ptr<PictureStore> pictures,
@@ -103,7 +104,7 @@ class FrameAssembler::Assembly {
   Assembly(const Assembly&) = delete;
   Assembly& operator=(const Assembly&) = delete;
 
-  /// Runs when every holder is done: the assembler after the end, each job after its tile.
+  /// Runs when all holders are done: the assembler after the frame's end, each job after its tile.
   ~Assembly() {
     --*in_flight_;
     // A pool that ends destroys jobs without running them.
@@ -112,7 +113,7 @@ class FrameAssembler::Assembly {
       sink_.frame_dropped(frame_.number, failure_);
       return;
     }
-    if (picture_ == nullptr) make_room(true);  // No head shows any of its tiles.
+    if (picture_ == nullptr) make_room(true);  // No head shows any of this frame's tiles.
     frame_.picture = std::move(picture_);
     add_mesh();
     frame_.decoded_at = clock_.now();
@@ -223,7 +224,7 @@ class FrameAssembler::Assembly {
   std::shared_ptr<PictureStore> pictures_;
   std::shared_ptr<DepthStore> depths_;
   std::shared_ptr<InverseDepthImage> depth_;  // Null if the frame comes without depth.
-  std::shared_ptr<PlanarPicture> picture_;  // Made before the first job that decodes into it is submitted.
+  std::shared_ptr<PlanarPicture> picture_;    // Created before the first job that decodes into it is submitted.
   FrameSink& sink_;
   const Clock& clock_;
   std::shared_ptr<std::atomic<int>> in_flight_;

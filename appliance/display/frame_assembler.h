@@ -35,12 +35,12 @@ class FrameSink {
   FrameSink& operator=(const FrameSink&) = default;
 };
 
-/// Limits of a frame's size and of the frames in assembly at once; they bound the memory for any input.
+/// Limits of a frame's size and of the number of frames in assembly; they bound the memory, whatever the input.
 inline constexpr std::size_t kMaxFramePx = std::size_t{64} << 20;
 inline constexpr std::size_t kMaxFrameBytes = std::size_t{256} << 20;
 inline constexpr int kMaxFramesInFlight = 3;
 
-/// The part of any picture that the heads show.
+/// The heads' view of any picture; parts that no head shows are not decoded.
 struct ShownByHeads {
   std::vector<HeadFootprint> heads;
   PictureShape wall;    ///< Shape of the whole wall's picture; a picture of another kind or tilt is refused.
@@ -56,7 +56,7 @@ class FrameAssembler {
   FrameAssembler(const FrameAssembler&) = delete;
   FrameAssembler& operator=(const FrameAssembler&) = delete;
 
-  /// Precondition: the message is a begin, a tile or an end.
+  /// Takes the next message. Precondition: it is a begin, a tile or an end.
   void take(wire::ShowMessage message);
   /// Drops the unfinished frame, since the stream has ended.
   void stream_lost();
@@ -71,7 +71,7 @@ class FrameAssembler {
   class Assembly;
   class PictureStore;
   class DepthStore;
-  /// Data that all frames of one size share.
+  /// Data that all frames of the same size share.
   struct KnownParts {
     Projection picture;
     int mesh_cells = 1;
@@ -96,7 +96,7 @@ class FrameAssembler {
   int mesh_cells_ = 1;
   std::shared_ptr<std::atomic<int>> in_flight_;
   std::shared_ptr<Assembly> current_;  // The frame between begin and end; null if there is none or it was refused.
-  std::uint64_t refused_number_ = 0;   // The frame whose remaining messages are ignored.
+  std::uint64_t refused_number_ = 0;   // Number of the frame whose remaining messages are ignored.
   std::uint64_t order_ = 0;
 };
 

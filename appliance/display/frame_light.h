@@ -18,7 +18,7 @@ class FrameLight {
   /// Errors: kSystem if the driver's compiler refuses a shader, with its message.
   static Result<FrameLight> make(const output::Gl& gl, const PictureProgram& program, Texels texels);
 
-  /// Uses each shader once, on a few pixels, because drivers compile a shader at its first use.
+  /// Runs each shader once, on a few pixels, because drivers compile a shader when it is first used.
   Status warm_up(const PictureShape& shape);
   /// Takes a new frame, and shows it from its own eye. Errors: kSystem if the graphics card refuses the picture.
   Status take(const DisplayFrame& frame);

@@ -60,7 +60,7 @@ class FrameReuse {
   const output::Gl* gl_;
   output::GlProgram program_;
   MeshBuffers buffers_;
-  output::GlBuffer parallax_;  // One float for each vertex.
+  output::GlBuffer parallax_;  // Parallax, one float for each vertex.
   output::GlTexture depth_;    // Inverse depth of the remembered frame, cell by cell.
   int depth_width_ = 0;
   int depth_height_ = 0;

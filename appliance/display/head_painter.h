@@ -45,24 +45,24 @@ class HeadPainter {
   void draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now = Eye::kLeft) const;
   /// Draws like draw() with `fade`, but blends the result over the framebuffer's content.
   void draw_over(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const;
-  /// Draws with every program once, since drivers compile a program at its first use.
+  /// Draws with every program once, because drivers compile a program when it is first used.
   void warm_up(const TurnedPicture& shown, const TurnedPicture& other, const std::function<void()>& stepped) const;
-  /// Returns whether the eyes alternate, so that the drawing depends on the refresh.
+  /// True if the eyes alternate, so that the drawing depends on the refresh.
   [[nodiscard]] bool takes_turns() const { return packing_ == StereoPacking::kFrameSequential; }
 
  private:
   /// Triangles drawn with the same programs. Triangles on which the mask is 1 everywhere do not sample it.
   struct Part {
-    /// Indexed by whether the picture's edges matter, and whether two pictures are mixed.
+    /// Indexed by whether the picture's edges must be respected, and whether two pictures are mixed.
     std::array<std::array<const HeadProgram*, 2>, 2> programs{};
-    GLsizei first = 0;  ///< First index.
+    GLsizei first = 0;  ///< Index of the first vertex index.
     GLsizei count = 0;
   };
   HeadPainter(const output::Gl& gl, const HeadUpload& upload, Texels texels);
   void upload_triangles(const HeadUpload& upload);
   void upload_textures(const HeadUpload& upload);
   void clear() const;
-  /// `edges`: whether the pictures' edges must be respected.
+  /// `edges`: the pictures' edges must be respected.
   void draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges, Eye now) const;
   void draw_for(Eye eye, const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges) const;
   void use(const HeadProgram& program, const TurnedPicture& shown, const TurnedPicture* other, double fade,
@@ -82,7 +82,7 @@ class HeadPainter {
   output::GlTexture map_;
   output::GlTexture response_;
   Texels texels_;
-  std::array<Part, 2> parts_;  // Fully lit triangles, then masked ones.
+  std::array<Part, 2> parts_;  // Fully lit triangles, then those that need the mask.
 };
 
 }  // namespace cyclorama::display

@@ -33,7 +33,7 @@ class HeadSampler {
   struct Place {
     float across = 0.0f;
     float up = 0.0f;
-    float weight = 0.0f;  ///< 0: black.
+    float weight = 0.0f;  ///< 0: the pixel is black.
     float black_lift = 0.0f;
   };
   [[nodiscard]] std::uint8_t code_of(double light, std::size_t channel) const;
@@ -43,7 +43,7 @@ class HeadSampler {
   PictureShape picture_;
   warp::HeadColour colour_;
   std::vector<Place> samples_;
-  /// Code values indexed by the light's square root.
+  /// Code values of each channel, indexed by the light's square root.
   std::array<std::vector<std::uint8_t>, 3> codes_;
 };
 

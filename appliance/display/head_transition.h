@@ -54,9 +54,9 @@ class HeadTransition {
   HeadMailbox& mailbox_;
   std::vector<int> depths_bits_;  // Bits per code value, to which the painters dither.
   std::unique_ptr<HeadSet> now_;
-  std::unique_ptr<HeadSet> next_;  // Null except during a change.
-  TimePoint began_at_{};           // Start of the blend; zero: not yet.
-  double share_ = 0.0;             // Share of the next set.
+  std::unique_ptr<HeadSet> next_;  // Null except during a transition.
+  TimePoint began_at_{};           // Time when the blend began; zero: it has not begun.
+  double share_ = 0.0;             // Share of the next set in the blend.
 };
 
 }  // namespace cyclorama::display

@@ -25,7 +25,8 @@ std::vector<float> corners_of(const warp::WarpMesh& mesh) {
   return corners;
 }
 
-/// Returns the rectangle of all pixels that the mask does not blacken or that get a black lift; empty if there is none.
+/// Returns the rectangle around all pixels that the mask does not blacken or that get a black lift; empty if there is
+/// none.
 PixelRect lit_part(const warp::MaskImage& mask, const warp::BlackLiftImage* black_lift) {
   int left = mask.width();
   int right = 0;

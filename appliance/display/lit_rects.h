@@ -11,7 +11,7 @@
 
 namespace cyclorama::display {
 
-/// Part of a patch.
+/// A rectangle of a patch.
 struct LitRect {
   PixelRect part;         ///< In pixels of the head.
   std::size_t patch = 0;  ///< Index into WarpPatches::patches.
@@ -20,7 +20,7 @@ struct LitRect {
 /// A head's patches, cut into rectangles by the effect of the mask: few rectangles, cut along the tile borders of
 /// rasterisers. Areas that the mask blackens and that get no black lift are omitted.
 struct LitRects {
-  std::vector<LitRect> whole;   ///< The mask is 1 at all their pixels.
+  std::vector<LitRect> whole;   ///< The mask is 1 at all of their pixels.
   std::vector<LitRect> masked;  ///< All others.
 };
 

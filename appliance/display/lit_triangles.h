@@ -13,7 +13,7 @@ namespace cyclorama::display {
 /// A mesh's triangles, three indices each, by the effect of the mask. Triangles that the mask blackens and that get no
 /// black lift are omitted; a projector that extends past the wall has many of them.
 struct LitTriangles {
-  std::vector<std::uint32_t> whole;   ///< The mask is 1 at all their pixels.
+  std::vector<std::uint32_t> whole;   ///< The mask is 1 at all of their pixels.
   std::vector<std::uint32_t> masked;  ///< All others.
 };
 

@@ -25,11 +25,12 @@ struct OutputChoice {
   };
 
   Kind kind = Kind::kHeadless;
-  output::HeadlessOptions::Renderer renderer = output::HeadlessOptions::Renderer::kAny;  ///< Headless.
+  output::HeadlessOptions::Renderer renderer = output::HeadlessOptions::Renderer::kAny;  ///< Headless: renderer.
   std::filesystem::path run_dir;             ///< Headless: folder for shared pictures; empty: none.
   std::vector<Head> heads;                   ///< DRM: heads that differ from the installation's connectors.
   std::vector<std::filesystem::path> cards;  ///< DRM: replaces the installation's cards unless empty.
-  /// While false, the heads are dark. Null: always on. Outlives the output; another thread may write it.
+  /// While it is false, the heads are dark; null: they are never dark. It must outlive the output; another thread may
+  /// write it.
   const std::atomic<bool>* is_awake = nullptr;
 };
 

@@ -14,8 +14,8 @@ namespace cyclorama::display {
 /// borrows the Gl table.
 class MeshBuffers {
  public:
-  static constexpr GLuint kTarget = 0;  ///< vec3: across_px, down_px, inverse_m.
-  static constexpr GLuint kSource = 1;  ///< vec2: source_across_px, source_down_px.
+  static constexpr GLuint kTarget = 0;  ///< Attribute vec3: across_px, down_px, inverse_m.
+  static constexpr GLuint kSource = 1;  ///< Attribute vec2: source_across_px, source_down_px.
 
   /// Leaves its vertex array bound, so that the caller can add attributes.
   explicit MeshBuffers(const output::Gl& gl);

@@ -25,11 +25,11 @@ struct PresentPlan {
 /// State of the output.
 struct OutputState {
   std::optional<Error> loss;  ///< Set while there is no output.
-  int losses = 0;             ///< Losses since the start.
+  int losses = 0;             ///< Number of losses since the start.
   /// Kind of the output that was opened last, such as "headless EGL", and the renderer that GL reports for it.
   std::string kind;
   std::string renderer;
-  int max_side_px = 0;  ///< Maximum side of a picture on its graphics card.
+  int max_side_px = 0;  ///< Maximum side of a picture on the output's graphics card.
 };
 
 /// Runs a presenter on an output, and reopens the output whenever it is lost (after a reset of the graphics processor,
@@ -66,7 +66,7 @@ class OutputSupervisor {
   OutputState state_;
   std::optional<PresenterState> showing_;  // Set while no output is open.
   std::unique_ptr<output::Output> output_;
-  std::unique_ptr<Presenter> presenter_;  // After the output, so that it is destroyed first.
+  std::unique_ptr<Presenter> presenter_;  // Declared after the output, so that it is destroyed first.
   TimePoint opened_at_{};
   TimePoint try_at_{};
   Duration pause_;

@@ -11,7 +11,7 @@
 namespace cyclorama::display {
 namespace {
 
-// Computes the corners of a rectangle from their numbers.
+// Computes a rectangle's corners from the indices of its vertices.
 constexpr const char* kVertexShader = R"(
 precision highp float;
 uniform vec4 place;  // In clip space: left, top, right, bottom.

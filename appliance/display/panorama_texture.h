@@ -20,7 +20,7 @@ class PictureProgram {
   PictureProgram(output::GlProgram program, Texels texels) : program_(std::move(program)), texels_(texels) {}
   output::GlProgram program_;
   Texels texels_;
-  // The vertex shader computes the corners from their numbers; GL still requires a bound array.
+  // The vertex shader computes the corners from the vertices' indices, but GL still requires a bound array.
   output::GlVertexArray nothing_;
   GLint place_ = -1;
   GLint luma_ = -1;
@@ -50,7 +50,7 @@ class PanoramaTexture {
   Status upload(const DisplayFrame& frame);
   /// Converts the planes of the newest frame again. Precondition: the last upload() was of `frame`.
   void convert(const DisplayFrame& frame) const;
-  /// Shows light() itself again, after another pass drew it from another eye.
+  /// Shows light() itself again, after another pass had drawn it from another eye.
   void show_unmoved() { is_moved_ = false; }
 
   [[nodiscard]] GLuint id() const { return shown().texture.id(); }
@@ -59,7 +59,7 @@ class PanoramaTexture {
   [[nodiscard]] const PictureShape& shape() const { return shape_; }
   /// Number of eyes' pictures; 2: the right eye's lies below the left eye's.
   [[nodiscard]] int stacked() const { return stacked_; }
-  /// Size of the texture in pixels; the picture's first column is its column 1.
+  /// Size of the texture in pixels. The picture's first column is column 1 of the texture.
   [[nodiscard]] int texture_width() const { return shown().width; }
   [[nodiscard]] int texture_height() const { return shown().height; }
   static constexpr int kFirstColumn = 1;

@@ -28,9 +28,9 @@ class PatternService final : public wire::PatternScreen::Service {
   /// Takes the presenter's reports, frees objects that the presenter no longer uses, and ends a call that is idle.
   /// Called by one thread, at each refresh.
   void tend();
-  /// Called before the presenter ends; wakes every call that waits for it.
+  /// Wakes every call that waits for the presenter. To be called before the presenter ends.
   void stop();
-  /// Returns whether patterns are shown in place of the show.
+  /// True while patterns are shown instead of the show.
   [[nodiscard]] bool is_open() const { return is_open_; }
 
  private:
@@ -48,7 +48,7 @@ class PatternService final : public wire::PatternScreen::Service {
   const Duration timeout_;
   std::atomic<bool> is_open_{false};
   std::uint64_t order_ = 0;  // PatternWall::order of the newest wall; used by the one stream only.
-  std::mutex mutex_;         // Guards the members below. Never locked by the presenting thread.
+  std::mutex mutex_;         // Guards the members below. Never locked by the present thread.
   PatternsShown shown_;
   bool stops_ = false;
   grpc::ServerContext* waiting_ = nullptr;  // The call that waits for a request; null if none does.

@@ -39,17 +39,17 @@ class PatternShow {
   PatternShow(const output::Gl& gl, PatternPainter painter, std::size_t head_count, PatternMailbox* mailbox)
       : gl_(gl), painter_(std::move(painter)), mailbox_(*mailbox), heads_(head_count) {}
   struct Head {
-    bool is_uploaded = false;  // The wall's picture is on the card.
-    bool is_pending = false;   // No refresh has shown it yet.
-    bool is_drawn = false;     // The next refresh may show it.
+    bool is_uploaded = false;  // The head's picture is on the card.
+    bool is_pending = false;   // No refresh has shown the picture yet.
+    bool is_drawn = false;     // The picture was drawn, and the next refresh may show it.
   };
   const output::Gl& gl_;
   PatternPainter painter_;
   PatternMailbox& mailbox_;
   std::vector<Head> heads_;
-  std::unique_ptr<PatternWall> wall_;  // Null before the first.
+  std::unique_ptr<PatternWall> wall_;  // Null before the first wall.
   std::uint64_t answered_ = 0;         // PatternWall::order of the newest wall that all awaited heads showed.
-  TimePoint last_at_{};                // Time when the last head of the present wall showed it.
+  TimePoint last_at_{};                // Time when the last head of the present wall showed its picture.
 };
 
 }  // namespace cyclorama::display

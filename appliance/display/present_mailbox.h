@@ -23,7 +23,7 @@
 
 namespace cyclorama::display {
 
-/// One refresh, as the present thread reports it.
+/// One refresh, as reported by the present thread.
 struct RefreshEvent {
   output::Presented presented;
   bool is_first_of_frame = false;  ///< The frame described below was not shown before.
@@ -32,11 +32,11 @@ struct RefreshEvent {
   std::int64_t frame_shutter_ns = 0;
   std::size_t frame_bytes = 0;
   std::uint32_t frame_tiles = 0;
-  std::uint32_t frame_decoded = 0;  ///< Number of those tiles that were decoded.
+  std::uint32_t frame_decoded = 0;  ///< Number of the frame's tiles that were decoded.
   TimePoint begun_at{};
   TimePoint decoded_at{};
   TimePoint drawing_at{};
-  TimePoint drawn_at{};                 ///< All commands were issued by then; the card may still be executing them.
+  TimePoint drawn_at{};  ///< Time by which all commands were issued; the card may still be executing them.
   std::int64_t heading_shutter_ns = 0;  ///< Shutter time of a heading that this refresh shows first; else 0.
   bool is_past_guard = false;
   double attract_share = 0.0;  ///< 1: only the attract picture is visible.
@@ -47,10 +47,10 @@ struct RefreshEvent {
   double moved_m = 0.0;  ///< Distance by which the picture's eye was moved.
   /// Remaining distance between that eye and the visitor's: the move was too far, or the frame has no depth.
   double missed_m = 0.0;
-  // Set while several displays show the tour (synchronised_refresh.h):
+  // The members below are set while several displays show the tour (synchronised_refresh.h):
   std::optional<std::int64_t> synchronised_refresh;
   ShowAt frame_due;  ///< Due time of the frame that this refresh shows first, or of an earlier one that it passes over.
-  ShowAt heading_due;      ///< Due time of the heading.
+  ShowAt heading_due;      ///< Due time of the heading that this refresh shows first.
   Duration drawn_ahead{};  ///< Lead of the start of drawing over the synchronised refresh.
 
   /// Returns the delay since `due` in refreshes; 0 if nothing was scheduled, or this refresh shows nothing new.
@@ -60,11 +60,11 @@ struct RefreshEvent {
   }
 };
 
-/// One head's part of a refresh.
+/// The part of a refresh that concerns one head.
 struct HeadRefresh {
   std::size_t head = 0;
   output::HeadShown shown;
-  /// Shutter of the frame that is shown, or arrival of its first tile; zero: no frame is shown.
+  /// Time of the shutter for the frame that is shown, or of the arrival of its first tile; zero: no frame is shown.
   TimePoint picture_at{};
 };
 
@@ -86,7 +86,7 @@ class WatchedPicture {
     if (picture != nullptr) is_out_ = false;
     return picture;
   }
-  /// Presenter's side: returns null if nobody watches.
+  /// Presenter's side: returns the empty picture to fill; null if nobody watches.
   std::unique_ptr<Picture> take_empty() { return empty_.take(); }
   [[nodiscard]] bool is_wanted() const { return !empty_.is_empty(); }
   void give(std::unique_ptr<Picture> picture) { filled_.put(std::move(picture)); }
@@ -100,7 +100,7 @@ class WatchedPicture {
 /// Frames that the presenter no longer uses, until another thread frees them. Each side uses one thread.
 class RetiredFrames {
  public:
-  /// Presenter's side. Precondition: room() > 0.
+  /// Presenter's side: adds a frame. Precondition: room() > 0.
   void put(std::unique_ptr<DisplayFrame> frame) {
     const auto slot = std::ranges::find_if(slots_, [](const auto& s) { return s.is_empty(); });
     CHECK(slot != slots_.end());
@@ -109,7 +109,7 @@ class RetiredFrames {
   [[nodiscard]] std::size_t room() const {
     return static_cast<std::size_t>(std::ranges::count_if(slots_, [](const auto& slot) { return slot.is_empty(); }));
   }
-  /// Other side: frees all, and calls `on_unseen(const DisplayFrame&)` for those that were never shown.
+  /// Other side: frees all frames, and calls `on_unseen(const DisplayFrame&)` for those that were never shown.
   template <typename OnUnseen>
   void clear(const OnUnseen& on_unseen) {
     for (auto& slot : slots_) {
@@ -126,12 +126,12 @@ struct PresentMailbox {
   explicit PresentMailbox(std::size_t head_count) : heads(head_count) {}
 
   WaitingFrames frames;                 ///< In: whole frames. Every input comes from one thread at a time.
-  HeadingTrack headings;                ///< In.
+  HeadingTrack headings;                ///< In: the visitor's headings.
   NewestValue<ClockReading> clock;      ///< In: reading of the tour's clock.
   std::atomic<bool> is_failing{false};  ///< In: the tour is unreachable, or its frames are dropped.
   PatternMailbox patterns;              ///< In and out: patterns in place of the show.
   HeadMailbox plans;                    ///< In and out: plans of the heads.
-  RetiredFrames retired;                ///< Out.
+  RetiredFrames retired;                ///< Out: frames that can be freed.
   EventRing<RefreshEvent, 1024> refreshes;
   EventRing<HeadRefresh, 4096> head_refreshes;
   WatchedPicture<DisplayFrame> panorama;

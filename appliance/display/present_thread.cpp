@@ -53,7 +53,7 @@ void PresentThread::run(PresentPlan plan, PresentMailbox* mailbox, const std::st
   while (!stop.stop_requested()) {
     if (supervisor.refresh()) tell(supervisor.state());
     const std::uint64_t one = 1;
-    // A full counter wakes the reader as well.
+    // If the counter is full, the write fails, but the descriptor is readable anyway.
     [[maybe_unused]] const auto n = ::write(event_fd_.get(), &one, sizeof one);
   }
 }

@@ -25,7 +25,8 @@ class PresentThread {
   /// Ends the thread after the present refresh.
   ~PresentThread() = default;
 
-  /// Returns the output's state; null if nothing has changed since the last call. The first is ready after start().
+  /// Returns the output's state; null if it has not changed since the last call. The first state is ready after
+  /// start().
   [[nodiscard]] std::unique_ptr<OutputState> take_state() { return state_.take(); }
   /// Maximum side of a picture on the graphics card. Thread-safe.
   [[nodiscard]] int max_side_px() const { return max_side_px_; }

@@ -7,7 +7,8 @@
 
 namespace cyclorama::display {
 namespace {
-// A picture counts as wrong if the visitor has turned by more since; the tour also requests a view for smaller changes.
+// Turn of the visitor since the picture was requested from which the picture counts as wrong. The tour also requests
+// views for smaller turns.
 constexpr double kSameHeading_rad = 1e-3;
 constexpr GLsizei kWarmUpSide_px = 4;
 }  // namespace
@@ -119,7 +120,7 @@ Status Presenter::refresh() {
   return Done{};
 }
 
-/// Follows the depths of the outputs, since the device on a connector may change while this runs.
+/// Adapts to the bit depths of the outputs, since the device on a connector may change at any time.
 void Presenter::notice_depths() {
   for (std::size_t head = 0; head < heads_->count(); ++head) {
     const output::HeadShown& shown = output_.shown()[head];

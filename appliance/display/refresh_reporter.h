@@ -20,7 +20,7 @@ class RefreshReporter {
   /// `heads` are those of the output, in order.
   RefreshReporter(InspectionService* inspection, const std::vector<std::string>& heads);
 
-  /// Returns a report if the refresh was the first of a frame.
+  /// Returns a report if the refresh was the first one of a frame.
   std::optional<wire::FramePresented> take(const RefreshEvent& event);
   void take(const HeadRefresh& refresh);
   /// Records that no head shows anything until more refreshes come.
@@ -28,7 +28,7 @@ class RefreshReporter {
   void frame_dropped(const std::string& reason);
   /// Records a frame that is shown without depth, because its depth was missing or damaged.
   void frame_without_depth(const std::string& trouble);
-  /// Updates the rates about once a second; call it often.
+  /// Updates the rates about once a second. To be called more often than that.
   void tick(TimePoint now);
 
   [[nodiscard]] double frames_per_second() const { return frames_per_second_; }

@@ -13,7 +13,7 @@ namespace {
 
 /// Distance by which the grid extends beyond the picture's edge.
 constexpr float kBeyond_px = 96.0f;
-/// Inverse depth jumps across a quad if its corners differ by more than this share of the largest.
+/// Inverse depth jumps across a quad if its corners differ by more than this share of the largest inverse depth.
 constexpr float kJump = 0.08f;
 constexpr float kMaxStretch = 2.0f;
 /// Position of a point that no pixel of the other picture shows.
@@ -45,7 +45,7 @@ struct Place {
   float up = 0.0f;
 };
 
-/// Twice the arc tangent of n, for |n| <= 0.6: an error of at most 2e-5.
+/// Returns twice the arc tangent of n, for |n| <= 0.6, with an error of at most 2e-5.
 float twice_atan(float n) {
   const float s = n * n;
   const float series =
@@ -116,7 +116,7 @@ void move_all(const ReprojectionGrid& grid, const std::vector<float>& inverse_m,
 /// seen at a slant lies at the cell's border. The slope of the surface is taken from the flatter of the two neighbours,
 /// so that it does not extend across an edge. Without this, floors would follow the eye too far.
 Image<float, 1> at_centres(const InverseDepthImage& depth) {
-  // From a cell's centre to the middle of its outermost pixel, in cells.
+  // Distance from a cell's centre to the middle of its outermost pixel, in cells.
   constexpr float kReach = 0.5f * (kDepthCellPx - 1) / kDepthCellPx;
   Image<float, 1> centres(depth.width(), depth.height());
   const auto slope = [](int before, int here, int after) {
@@ -292,7 +292,7 @@ void ReprojectionMesh::find_in(const Eigen::Vector3d& eye_m, double turn_rad, Re
 /// filters.
 void ReprojectionMesh::place_vertices(bool is_inside, ReprojectedPicture* picture) const {
   std::vector<ReprojectedVertex>& vertices = picture->vertices;
-  // Room for as many torn quads as any frame has, so that later ones allocate nothing.
+  // Room for as many torn quads as any frame has, so that later frames allocate nothing.
   const std::size_t room = std::max(jumps(), inverse_m_.size() / kPerJump);
   vertices.reserve(inverse_m_.size() + 8 * room);
   for (std::vector<std::uint32_t>& indices : picture->jumping) indices.reserve(12 * room);
@@ -354,7 +354,7 @@ void ReprojectionMesh::tear(const std::array<std::uint32_t, 4>& grid, std::vecto
       grid.begin(), grid.end(), [&](std::uint32_t a, std::uint32_t b) { return inverse_m_[a] < inverse_m_[b]; });
   const float middle = 0.5f * (inverse_m_[*far] + inverse_m_[*near]);
   const auto is_near = [&](std::uint32_t corner) { return inverse_m_[corner] > middle; };
-  std::array<ReprojectedVertex, 8> corners;  // The corners of the far quad, then those of the near one.
+  std::array<ReprojectedVertex, 8> corners;  // The corners of the far quad, then those of the near quad.
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const ReprojectedVertex& own = (*vertices)[grid[i]];
     // The neighbour on the other side of the jump: horizontally or vertically adjacent, or else the farthest or nearest
@@ -369,7 +369,7 @@ void ReprojectionMesh::tear(const std::array<std::uint32_t, 4>& grid, std::vecto
     const float half_across = 0.5f * (other.source_across_px - own.source_across_px);
     const float half_down = 0.5f * (other.source_down_px - own.source_down_px);
     if (is_near(grid[i])) {
-      // Half a pixel less, since colours are filtered.
+      // Half a pixel less, because filters also read the neighbouring pixel.
       const auto inward = [](float half) { return half + std::copysign(std::min(0.5f, std::abs(half)), half); };
       of_far.inverse_m = other.inverse_m;
       of_far.source_across_px += inward(half_across);

@@ -38,18 +38,19 @@ struct ReprojectionGrid {
   Projection picture;
   int cell_px = 1;
   bool is_whole_turn = false;
-  int columns = 0;  ///< Vertices in a row.
-  int rows = 0;     ///< Rows of vertices in one eye's picture.
+  int columns = 0;  ///< Number of vertices in a row.
+  int rows = 0;     ///< Number of rows of vertices in one eye's picture.
   // For each vertex, eye by eye, row by row:
   std::vector<float> right, up, back;     ///< Unit ray in the picture's axes (R_eye_picture()).
   std::vector<float> across_px, down_px;  ///< Position in the whole picture.
 };
 
-/// Corner of a triangle.
+/// Corner of a triangle in the target picture.
 struct ReprojectedVertex {
-  float across_px = 0.0f;  ///< Position in the target.
+  float across_px = 0.0f;  ///< Position in the target picture.
   float down_px = 0.0f;
-  float inverse_m = 0.0f;  ///< Inverse distance from the target's eye, at most 1 / kMinDepth_m; the largest is visible.
+  /// Inverse distance from the target's eye, at most 1 / kMinDepth_m. Where triangles overlap, the largest is visible.
+  float inverse_m = 0.0f;
   float source_across_px = 0.0f;
   float source_down_px = 0.0f;
 };
@@ -85,7 +86,8 @@ class ReprojectionMesh {
 
   [[nodiscard]] const ReprojectionGrid& grid() const { return *grid_; }
   [[nodiscard]] const InverseDepthImage& depth() const { return depth_; }
-  /// Triangles of quads without a jump, for one eye; indices of the grid's vertices. They are the same for every move.
+  /// Triangles of quads without a jump, for one eye, as indices of the grid's vertices. They are the same for every
+  /// move.
   [[nodiscard]] std::span<const std::uint32_t> smooth(std::size_t eye) const { return smooth_[eye]; }
   /// Number of quads across which the depth jumps.
   [[nodiscard]] std::size_t jumps() const { return jumps_[0].size() + jumps_[1].size(); }
@@ -101,9 +103,9 @@ class ReprojectionMesh {
 
   std::shared_ptr<const ReprojectionGrid> grid_;
   InverseDepthImage depth_;
-  std::vector<float> inverse_m_;  // For each vertex.
+  std::vector<float> inverse_m_;  // One for each vertex.
   std::array<std::vector<std::uint32_t>, 2> smooth_;
-  std::array<std::vector<std::uint32_t>, 2> jumps_;  // The upper left vertex of each quad.
+  std::array<std::vector<std::uint32_t>, 2> jumps_;  // Index of each quad's upper left vertex.
 };
 
 }  // namespace cyclorama::display

@@ -89,7 +89,7 @@ void ShowStream::OnDone(const grpc::Status& status) {
   const std::lock_guard lock(mutex_);
   end_ = status.ok() ? Error(ErrorCode::kUnavailable, "showing the tour: the tour closed the stream")
                      : from_grpc(is_given_up_ ? unreadable() : status, "showing the tour");
-  changed_.notify_all();  // Called under the lock, since the destructor frees this as soon as it acquires it.
+  changed_.notify_all();  // Under the lock, since the destructor frees this object as soon as it has the lock.
 }
 
 }  // namespace cyclorama::display

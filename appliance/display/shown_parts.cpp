@@ -68,7 +68,7 @@ class CellMap {
     mark(row, left_px - turns, right_px - turns);
     if (right_px - turns > width) mark(row, 0.0, right_px - turns - width);
   }
-  /// Marks the cells in the rectangle, and for parts beyond an edge the nearest cells.
+  /// Marks the cells in the rectangle; for parts beyond an edge, the nearest cells inside.
   void want(const Box& box) {
     const int first = static_cast<int>(std::clamp(box.top_px, 0.0, height_px_ - 1.0)) / kCellPx;
     const int last = static_cast<int>(std::clamp(box.bottom_px, 0.0, height_px_ - 1.0)) / kCellPx;
@@ -77,7 +77,7 @@ class CellMap {
   /// Returns the marked cells as rectangles; adjacent rows with the same columns form one part.
   [[nodiscard]] std::vector<PixelRect> parts() const {
     std::vector<PixelRect> parts;
-    std::size_t above = 0;  // First of the parts that end at this row's upper edge.
+    std::size_t above = 0;  // Index of the first part that ends at this row's upper edge.
     for (int row = 0; row < rows(); ++row) {
       const std::vector<PixelRect> runs = runs_of(row);
       const bool same =
@@ -154,7 +154,7 @@ double margin_px(const PictureShape& picture, const PictureShape& wall) {
 void want_shifted(const HeadFootprint& head, const Panorama& picture, double turn_limit_rad, double margin,
                   CellMap* ret_cells) {
   for (int row = 0; row < ret_cells->rows(); ++row) {
-    // The picture's edge is shown for positions beyond it.
+    // Positions beyond the picture show its edge.
     constexpr double kEndless = std::numeric_limits<double>::infinity();
     const bool is_first = row == 0;
     const bool is_last = row + 1 == ret_cells->rows();
@@ -190,7 +190,7 @@ void want_turned(const HeadFootprint& head, const PictureShape& picture, double 
         const double across = span->min + (span->max - span->min) * end / kPieces;
         for (const double up : {low, high}) {
           const auto position = turned(picture, {across, up}, turn_limit_rad * (2.0 * turn / turns - 1.0));
-          if (!position) continue;  // Exactly opposite to a fisheye's axis.
+          if (!position) continue;  // The position is exactly opposite to a fisheye's axis.
           if (end < kPieces) now[static_cast<std::size_t>(end)].add(scale.pixel_at(*position));
           if (end > 0) now[static_cast<std::size_t>(end - 1)].add(scale.pixel_at(*position));
         }

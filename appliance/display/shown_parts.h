@@ -36,7 +36,7 @@ class HeadFootprint {
 /// Maximum turn of a picture, and the parts of it that are visible up to that turn.
 struct ShownParts {
   double turn_limit_rad = 0.0;
-  std::vector<PixelRect> parts;  ///< Whole cells of 16 pixels, cut at the picture's edges; none overlap.
+  std::vector<PixelRect> parts;  ///< Whole cells of 16 pixels, cut off at the picture's edges. They do not overlap.
 
   /// Returns whether any part overlaps `rect`.
   [[nodiscard]] bool meets(const PixelRect& rect) const;

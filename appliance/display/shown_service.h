@@ -16,7 +16,7 @@ namespace cyclorama::display {
 /// caller does not have yet. Thread-safe. Borrows the history and the clock.
 class ShownService final : public wire::ShownPictures::Service {
  public:
-  /// `heads`: names of the output's heads, in order.
+  /// `heads`: names of the output's heads, in the output's order.
   ShownService(std::vector<std::string> heads, ShownHistory* history, const Clock* clock)
       : heads_(std::move(heads)), history_(*history), clock_(*clock) {}
 
@@ -29,7 +29,7 @@ class ShownService final : public wire::ShownPictures::Service {
   ShownHistory& history_;
   const Clock& clock_;
   std::mutex mutex_;  ///< Guards the members below.
-  HeadPlans plans_;   ///< Plans of the samplers.
+  HeadPlans plans_;   ///< Plans for which the samplers were made.
   int factor_ = 0;
   std::vector<HeadSampler> samplers_;
   JpegEncoder encoder_;

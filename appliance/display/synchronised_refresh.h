@@ -27,9 +27,9 @@ namespace cyclorama::display {
 class SynchronisedRefresh {
  public:
   void set_clock(const ClockReading& clock) { clock_ = clock; }
-  /// Takes the newest schedule of the tour: the period of its synchronised refreshes, or 0 if there are none.
+  /// Takes the tour's newest schedule: the period of its synchronised refreshes; 0 if there are none.
   void learn(const ShowAt& at) { period_ns_ = at.period_ns; }
-  /// Begins a picture, for the refresh after the last that was shown.
+  /// Begins a picture for the refresh after the one that was shown last.
   void begin(TimePoint drawing_at);
   /// True if `at` is due in the picture that is drawn. An `at` without a schedule, or too far ahead to be plausible (of
   /// another tour or another clock), is due at once.
@@ -41,7 +41,7 @@ class SynchronisedRefresh {
   [[nodiscard]] std::int64_t coming() const { return coming_.value_or(static_cast<std::int64_t>(refresh_) + 1); }
   /// Number of the last refresh shown; empty without synchronised numbers, or while the tour's clock is not known.
   [[nodiscard]] std::optional<std::int64_t> number() const { return shown_; }
-  /// Lead of the start of drawing over its synchronised refresh; negative: lag.
+  /// Time from the start of drawing to the synchronised refresh of the picture; negative if drawing began later.
   [[nodiscard]] Duration drawn_ahead() const { return drawn_ahead_; }
 
  private:
@@ -49,7 +49,7 @@ class SynchronisedRefresh {
 
   ClockReading clock_;
   std::int64_t period_ns_ = 0;
-  // The output's last refresh, that refresh's time without jitter, and its rate.
+  // Last refresh of the output, the time of that refresh without jitter, and the period of the output's refreshes.
   std::uint64_t refresh_ = 0;
   TimePoint at_{};
   Duration output_period_{};

@@ -30,7 +30,7 @@ class TourClock {
 
   explicit TourClock(SystemClock system_clock) : system_clock_(std::move(system_clock)) {}
 
-  /// Discards all knowledge, for a new stream, perhaps to another tour.
+  /// Forgets everything, because a new stream may lead to another tour.
   void reset();
   /// Returns the request to send now, if one is due, with the times that the display has needed since the last request.
   std::optional<wire::ClockRequest> question(TimePoint now);

@@ -24,12 +24,12 @@ constexpr double kBlurPx = 1.25;
 /// Minimum contrast of a step from black to white; less counts as noise.
 constexpr double kMinContrastGrey = 12.0;
 constexpr double kMaxMovePx = 2.0;
-/// Share of a normal distribution's variance in its middle three quarters.
+/// Share of a normal distribution's variance that its middle three quarters have.
 constexpr double kTrimmedShare = 0.369;
 /// Minimum deviation of a step's position, however well the points agree, since neighbouring points share pixels.
 constexpr double kMinDeviationPx = 0.02;
 
-/// Samples bilinearly between pixel centres at (0.5, 0.5); empty outside of them.
+/// Interpolates bilinearly between pixel centres, of which the first is at (0.5, 0.5); empty outside of them.
 std::optional<double> grey_at(const GreyImage& picture, const Vector2d& position) {
   const double x = position.x() - 0.5;
   const double y = position.y() - 0.5;
@@ -163,7 +163,7 @@ std::optional<Vector2d> crossing(const Line& a, const Line& b) {
   return Vector2d(a.point + along * a.direction);
 }
 
-/// Returns the covariance of an intersection: each line is uncertain along its normal, by its variance there.
+/// Returns the covariance of an intersection: each line is uncertain along its normal, by its variance at the corner.
 Matrix2d covariance_at(const Vector2d& corner, const Line& a, const Line& b) {
   Matrix2d normals;
   normals << a.normal().transpose(), b.normal().transpose();

@@ -13,7 +13,7 @@ enum class TagBorder { kBlack, kWhite };
 
 struct RefinedCorners {
   std::array<Eigen::Vector2d, 4> positions;
-  std::array<Eigen::Matrix2d, 4> covariance;  ///< In px²; TagDetection::kUnrefined where a side kept its line.
+  std::array<Eigen::Matrix2d, 4> covariance;  ///< In px²; kUnrefined (TagDetection) where a side kept its line.
 };
 
 /// Moves a tag's corners onto its edges in the grey levels: along each side, the step from black to white is located to

@@ -19,10 +19,10 @@ struct DetectorSettings {
   /// Factor by which the picture in which quads are sought is reduced: 1 to 8. Effectively 1, 1.5 or a whole number:
   /// the next lower one.
   double decimate = 1.5;
-  bool tiles = true;                ///< Searches full resolution around known tags, and tile by tile: tag_search.h.
+  bool tiles = true;  ///< Also searches full resolution around known tags, and tile by tile: tag_search.h.
   int threads = 1;                  ///< 1 to 16.
   bool refine_edges = true;         ///< Aligns edges to the gradients of the full picture; useful with any decimation.
-  bool refine_corners = true;       ///< Afterwards refines corners to a few hundredths of a pixel: corner_refinement.h.
+  bool refine_corners = true;       ///< Then refines corners to a few hundredths of a pixel: corner_refinement.h.
   int max_hamming = 0;  ///< Number of wrong bits that are corrected: 0, 1 or 2. Each lets more clutter pass as tags.
   double min_margin = 20.0;         ///< Mean contrast between a bit and its threshold, in grey levels.
 };
@@ -48,7 +48,7 @@ struct TagDetection {
 /// 2019), by libapriltag. Thread-bound: each thread needs its own. It keeps its worker threads between pictures.
 class TagDetector {
  public:
-  /// Errors: kInvalidArgument if a setting is out of range, or the family is unknown.
+  /// Makes a detector. Errors: kInvalidArgument if a setting is out of range, or the family is unknown.
   static Result<TagDetector> create(const DetectorSettings& settings);
   TagDetector(TagDetector&&) noexcept;
   TagDetector& operator=(TagDetector&&) noexcept;

@@ -29,7 +29,7 @@ Eigen::AlignedBox2d box_of(const TagDetection& tag) {
 
 int aligned(int pixel) { return pixel / kAlignPx * kAlignPx; }
 
-/// Returns the whole pixels of a box, clipped to the picture.
+/// Returns the box as whole pixels, clipped to the picture.
 PixelRect pixels_of(const Eigen::AlignedBox2d& box, int width, int height) {
   const auto cut = [](double value, int max) { return static_cast<int>(std::clamp(value, 0.0, 1.0 * max)); };
   const int left = aligned(cut(std::floor(box.min().x()), width));
@@ -50,7 +50,7 @@ Part around(const Part& a, const Part& b) {
   return {{left, top, right - left, bottom - top}, std::min(a.decimate, b.decimate)};
 }
 
-/// Joins parts until no two of them would cost less when joined.
+/// Joins parts until no two parts would cost less as one.
 void join(std::vector<Part>* parts) {
   for (std::size_t i = 0; i < parts->size(); ++i) {
     for (std::size_t j = i + 1; j < parts->size(); ++j) {
@@ -97,7 +97,7 @@ Status TagSearch::add_from(const GreyImage& picture, const PixelRect& part, doub
                            std::vector<TagDetection>* ret_found) {
   TRY_ASSIGN(const std::vector<TagDetection> more, detector_.detect_in(picture, part, decimate));
   for (const TagDetection& tag : more) {
-    // Keeps the first detection of a tag, which was found at full resolution.
+    // Keeps the first detection of a tag, since it was found at full resolution.
     const bool has = std::any_of(ret_found->begin(), ret_found->end(),
                                  [&](const TagDetection& found) { return is_same(found, tag); });
     if (!has) ret_found->push_back(tag);

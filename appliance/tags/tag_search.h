@@ -38,8 +38,8 @@ class TagSearch {
  private:
   struct Known {
     TagDetection tag;
-    Eigen::Vector2d step = Eigen::Vector2d::Zero();  ///< Motion from picture to picture.
-    int missed = 0;                                  ///< Number of pictures since it was seen.
+    Eigen::Vector2d step = Eigen::Vector2d::Zero();  ///< Motion from one picture to the next, in pixels.
+    int missed = 0;                                  ///< Number of pictures since the tag was last seen.
   };
   TagSearch(TagDetector detector, const DetectorSettings& settings)
       : detector_(std::move(detector)), decimate_(settings.decimate), tiles_(settings.tiles) {}
@@ -52,7 +52,7 @@ class TagSearch {
   double decimate_;
   bool tiles_;
   std::vector<Known> known_;
-  int width_px_ = 0;  ///< Size of the last picture; another size means another camera.
+  int width_px_ = 0;  ///< Size of the last picture; a different size means a different camera.
   int height_px_ = 0;
   int next_job_ = 0;
 };

@@ -54,7 +54,7 @@ void Capture::run(const std::stop_token& stop) {
       }
       const TimePoint began = clock_.now();
       ended = stream(camera->get(), stop);
-      if (clock_.now() - began > kMaxPause) pause = kFirstPause;  // The camera had worked for a while.
+      if (clock_.now() - began > kMaxPause) pause = kFirstPause;  // The camera worked for a while.
     }
     if (stop.stop_requested()) return;
     set_problem(ended ? "the camera stopped" : ended.error().message());

@@ -39,7 +39,7 @@ class Capture {
   [[nodiscard]] std::string problem() const;
   /// The camera's id; empty before the first camera was made.
   [[nodiscard]] std::string camera_id() const;
-  /// Time of the thread's last activity, as a proof that it is not stuck in a driver.
+  /// Time of the thread's last activity. It proves that the thread is not stuck in a driver.
   [[nodiscard]] TimePoint alive_at() const { return alive_at_; }
 
  private:
@@ -57,7 +57,7 @@ class Capture {
   mutable std::mutex mutex_;
   std::string problem_ = "the camera is being opened";
   std::string camera_id_;
-  LatestValue<Done> never_;  ///< A pause waits for it; closed at the end.
+  LatestValue<Done> never_;  ///< Never gets a value. A pause waits for it, and closing it ends the pause.
   std::jthread thread_;      ///< Last member, since it uses all the others.
 };
 

@@ -54,7 +54,7 @@ std::optional<FilteredRotation> filter(const OneEuroSettings& settings, const st
   const Eigen::Quaterniond target = measured.normalized();
   if (step == Step::kRestart) return FilteredRotation{target, Eigen::Vector3d::Zero(), at};
   const double step_s = to_seconds(since_last);
-  // AngleAxis gives 0 to π, which is the shorter way.
+  // AngleAxis gives an angle from 0 to π, which is the shorter way.
   const Eigen::AngleAxisd turn(last->value.conjugate() * target);
   FilteredRotation next = *last;
   const double alpha = advance_speed(settings, turn.axis() * (turn.angle() / step_s), step_s, &next.speed);

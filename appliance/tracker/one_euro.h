@@ -20,7 +20,7 @@ namespace cyclorama::tracker {
 struct OneEuroSettings {
   double min_cutoff_hz = 1.0;     ///< Cut-off at rest: a lower one gives less jitter and more delay. More than 0.
   double cutoff_per_speed = 0.0;  ///< Beta: Hz per unit of speed (metre or radian per second). 0 or more.
-  double speed_cutoff_hz = 1.0;   ///< Cut-off of the speed itself; 1 Hz as in the paper. More than 0.
+  double speed_cutoff_hz = 1.0;   ///< Cut-off for the speed itself; 1 Hz as in the paper. More than 0.
 };
 
 inline constexpr Duration kRestartAfter = std::chrono::milliseconds(500);

@@ -9,10 +9,10 @@
 namespace cyclorama::tracker {
 
 struct ChooserSettings {
-  double memory_s = 0.7;  ///< Evidence fades to 1/e over this time. More than 0.
+  double memory_s = 0.7;  ///< Time in which evidence fades to 1/e. More than 0.
 };
 
-/// State of one tag's two hypotheses after some pictures.
+/// State of the two hypotheses for one pattern, after some pictures.
 struct Hypotheses {
   Eigen::Quaterniond first = Eigen::Quaterniond::Identity();
   std::optional<Eigen::Quaterniond> second;
@@ -24,7 +24,7 @@ struct Hypotheses {
 struct ChosenPose {
   TagPose pose;
   std::optional<TagPose> other;  ///< The pose that was not chosen.
-  /// Probability that the chosen pose is the right one of the two, if the noise model holds.
+  /// Probability that the chosen pose, not the other, is right, if the noise model holds.
   double probability = 1.0;
   Hypotheses state;
 };

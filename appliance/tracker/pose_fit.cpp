@@ -31,7 +31,7 @@ struct Fit {
   Vector6d gradient;
 };
 
-/// Computes misfit, normal matrix and gradient for a turn (in the camera's axes) and a shift.
+/// Computes misfit, normal matrix and gradient, with respect to a turn (in the camera's axes) and a shift.
 void evaluate(std::span<const SeenPoint> points, const Pinhole& lens, Fit* ret_fit) {
   ret_fit->misfit = 0.0;
   ret_fit->squares_px2 = 0.0;

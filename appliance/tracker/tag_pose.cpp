@@ -36,12 +36,13 @@ bool is_usable(const Corners2& corners) {
 }
 
 using Vector8d = Eigen::Matrix<double, 8, 1>;
-/// Up to 8 unknowns. One type for all systems, because a decomposition takes the compiler seconds.
+/// A system with up to 8 unknowns. All systems have this type, because a decomposition takes the compiler seconds.
 using EightEquations = Eigen::Matrix<double, 8, Eigen::Dynamic, 0, 8, 8>;
 
 Eigen::VectorXd least_squares(const EightEquations& a, const Vector8d& b) { return a.colPivHouseholderQr().solve(b); }
 
-/// Returns the homography from the tag's plane, in metres, to normalised image coordinates: exact for four points.
+/// Returns the homography from the tag's plane, in metres, to normalised image coordinates. It is exact for four
+/// points.
 std::optional<Matrix3d> homography_of(const Corners3& tag, const Corners2& rays) {
   EightEquations a = EightEquations::Zero(8, 8);
   Vector8d b;
@@ -60,7 +61,8 @@ std::optional<Matrix3d> homography_of(const Corners3& tag, const Corners2& rays)
   return homography;
 }
 
-/// Returns both rotations that the homography's derivative at the tag's centre allows. Collins and Bartoli, section 4.
+/// Returns both rotations that agree with the homography's derivative at the tag's centre (Collins and Bartoli, section
+/// 4).
 std::optional<std::array<Matrix3d, 2>> rotations_of(const Matrix3d& h) {
   const Vector2d centre(h(0, 2), h(1, 2));  // h(2, 2) is 1.
   const Matrix2d jacobian = h.topLeftCorner<2, 2>() - centre * h.block<1, 2>(2, 0);

@@ -27,7 +27,7 @@ struct TagPoses {
 [[nodiscard]] std::optional<TagPoses> estimate_poses(const std::array<Eigen::Vector2d, 4>& corners, double tag_size_m,
                                                      const Pinhole& lens);
 
-/// Returns the tag's corners in the Tag frame, in TagDetection's order.
+/// Returns the tag's corners in the Tag frame, in the order of TagDetection::corners.
 [[nodiscard]] std::array<Eigen::Vector3d, 4> corners_of_tag(double tag_size_m);
 
 }  // namespace cyclorama::tracker

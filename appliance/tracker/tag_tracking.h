@@ -14,8 +14,8 @@ namespace cyclorama::tracker {
 
 /// The patterns that visitors may hold: the standard wands, wands that were measured, or flat tags of one size.
 struct PatternSettings {
-  std::vector<Wand> wands;                ///< From wand.toml files; they replace the standard ones.
-  std::optional<double> flat_tag_size_m;  ///< Every single tag is a pattern of this size; replaces all wands.
+  std::vector<Wand> wands;                ///< Measured wands, from wand.toml files; they replace the standard wands.
+  std::optional<double> flat_tag_size_m;  ///< Every tag is a pattern by itself, of this size; replaces all wands.
   /// Number of the only standard wand, or id of the only flat tag; absent: any.
   std::optional<int> only;
 
@@ -35,7 +35,7 @@ struct TrackingSettings {
   OneEuroSettings rotation{2.0, 60.0, 1.0};
 };
 
-/// State from picture to picture; empty at the start.
+/// State between two pictures; empty at the start.
 struct TrackingState {
   std::optional<int> id;  ///< Wand::id() of the followed pattern.
   TimePoint seen_at{};

@@ -94,7 +94,7 @@ void TourLink::stream(const std::stop_token& stop) {
     ++sent_;
   }
   connected_ = false;
-  context.TryCancel();  // Without this, Finish() would wait for a tour that may never answer.
+  context.TryCancel();  // Without it, Finish() would wait for a tour that may never answer.
   static_cast<void>(writer->Finish());
   const std::lock_guard lock(mutex_);
   context_ = nullptr;

@@ -31,7 +31,7 @@ class TourLink {
   TourLink(const TourLink&) = delete;
   TourLink& operator=(const TourLink&) = delete;
 
-  /// Never blocks for long.
+  /// Sends `pose`, or replaces one that waits. Never blocks for long.
   void send(wire::TrackedPose pose);
   /// Also sends each pose to other programs. To be called before the first send().
   void also_send_to(PoseSender speaker) { pose_sender_ = std::move(speaker); }

@@ -69,7 +69,7 @@ class Tracker {
   std::uint64_t counted_pictures_ = 0;
   TimePoint counted_at_{};
   std::string state_;
-  std::jthread thread_;  ///< Thread `detect`. Last member, since it uses all the others.
+  std::jthread thread_;  ///< The detect thread. Last member, since it uses all the others.
 };
 
 }  // namespace cyclorama::tracker

@@ -18,7 +18,7 @@ namespace cyclorama::tracker {
 /// The camera's lens, before the size of its pictures is known.
 struct LensSettings {
   double field_of_view_rad = 1.0471975511965976;  ///< Horizontal field of view; 60°.
-  /// Calibrated values, in pixels, replace the field of view; the centre defaults to the picture's middle.
+  /// Calibrated values in pixels; they replace the field of view. The centre defaults to the picture's middle.
   std::optional<double> focal_px;
   std::optional<Eigen::Vector2d> centre_px;
   /// Lens of camera.json, with its distortion; replaces the members above.
@@ -27,9 +27,9 @@ struct LensSettings {
 
 enum class SteerBy { kWand, kBody };
 
-/// All settings of cyclorama-tracker. The defaults are those of the demo on one machine.
+/// All settings of cyclorama-tracker. The defaults suit the demo on one machine.
 struct TrackerSettings {
-  std::string camera = "simulated";  ///< For make_camera().
+  std::string camera = "simulated";  ///< Argument for make_camera().
   std::string name;                  ///< The camera's name in the tour; empty: the camera's own id.
   LensSettings lens;
   SteerBy steer_by = SteerBy::kWand;

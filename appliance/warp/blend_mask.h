@@ -11,7 +11,7 @@ namespace cyclorama::warp {
 
 using MaskImage = Image<float, 1>;  ///< A factor in [0, 1] on linear light per projector pixel.
 
-/// Returns the maps of all of an installation's projectors, in its order.
+/// Returns the maps of all projectors of an installation, in the installation's order.
 [[nodiscard]] std::vector<ProjectorMap> projector_maps(const Installation& installation);
 
 /// Returns the weights of the projectors at one point of the wall. They add up to 1, and each fades smoothly to 0 at

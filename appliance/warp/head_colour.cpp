@@ -27,7 +27,7 @@ ResponseCurve sampled(std::size_t steps, const CodeOfLight& code) {
   return curve;
 }
 
-double clipped(double light) { return light > 0.0 ? std::min(light, 1.0) : 0.0; }  // Also for NaN.
+double clipped(double light) { return light > 0.0 ? std::min(light, 1.0) : 0.0; }  // NaN also becomes 0.
 
 }  // namespace
 

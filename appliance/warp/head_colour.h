@@ -20,7 +20,7 @@ struct ResponseCurve {
   std::vector<float> codes;  ///< At least two.
 
   [[nodiscard]] bool is_valid() const;
-  /// Clips `light` to [0, 1].
+  /// Returns the code value for `light`, which is clipped to [0, 1].
   [[nodiscard]] double code_of(double light) const;
   /// Returns the same curve with `steps` values.
   [[nodiscard]] ResponseCurve resampled(std::size_t steps) const;
@@ -35,7 +35,7 @@ struct HeadColour {
   std::optional<Eigen::Matrix3d> matrix;  ///< From the primaries of the wall to those of the projector.
   /// Light added in full where `black_lift` is 1: the black levels of the other projectors.
   Eigen::Vector3d black = Eigen::Vector3d::Zero();
-  std::optional<BlackLiftImage> black_lift;              ///< Has the head's size.
+  std::optional<BlackLiftImage> black_lift;              ///< If present, it has the head's size.
   std::optional<std::array<ResponseCurve, 3>> response;  ///< Red, green, blue; absent: sRGB.
 };
 

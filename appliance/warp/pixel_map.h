@@ -15,7 +15,7 @@ namespace cyclorama::warp {
 /// measured maps.
 using PixelMap = Image<float, 2>;
 
-/// A projector's warp, by the simplest model that is exact enough.
+/// A projector's warp, as the simplest model that is exact enough.
 using Warp = std::variant<WarpMesh, PixelMap, WarpPatches>;
 
 [[nodiscard]] PixelMap make_pixel_map(const ProjectorMap& map, const PictureShape& picture);

@@ -14,18 +14,18 @@ namespace cyclorama::warp {
 
 /// One corner of a mesh cell. Its angles are NaN if its pixel has no position in the picture.
 struct WarpVertex {
-  float x_px = 0.0f;  ///< In the projector's picture, from its left and upper edge.
+  float x_px = 0.0f;  ///< Position in the projector's picture, from its left and upper edge.
   float y_px = 0.0f;
-  float azimuth_rad = 0.0f;    ///< In a picture of another shape than a panorama: PicturePlace::across.
-  float tan_elevation = 0.0f;  ///< In a picture of another shape than a panorama: PicturePlace::up.
+  float azimuth_rad = 0.0f;    ///< For pictures of other shapes than a panorama: PicturePlace::across.
+  float tan_elevation = 0.0f;  ///< For pictures of other shapes than a panorama: PicturePlace::up.
 
   [[nodiscard]] bool is_valid() const { return azimuth_rad == azimuth_rad && tan_elevation == tan_elevation; }
 };
 
-/// A cell that a crease of the wall crosses: its triangles end at the crease.
+/// A cell that a crease of the wall crosses. Its triangles end at the crease.
 struct CutCell {
   int cell = 0;                        ///< Index of the cell, row by row from the top.
-  std::vector<std::uint32_t> corners;  ///< Three per triangle; indices into the mesh's vertices.
+  std::vector<std::uint32_t> corners;  ///< Three indices into the mesh's vertices for each triangle.
 };
 
 /// A grid over one projector's whole picture, with each vertex's position in the panorama, between which the graphics

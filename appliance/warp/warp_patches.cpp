@@ -20,7 +20,7 @@ constexpr int kChecks = 9;  // Checked positions in each direction, from edge to
 // With patches of 64x48 pixels a head takes 7 % longer than with the largest (./bench.sh display-trade); smaller
 // patches were not tested.
 constexpr int kMinPatchPx = 48;
-constexpr int kBlockPx = 16;  // Sides are multiples of this, since rasterisers work in blocks.
+constexpr int kBlockPx = 16;  // Sides of patches are multiples of this, since rasterisers work in blocks.
 constexpr double kAlike = 1.1;
 
 using Terms = Eigen::Matrix<double, 1, kTerms>;

@@ -13,8 +13,8 @@ namespace cyclorama::warp {
 /// A rectangle of a projector's picture. With s and t in [0, 1] across and down the rectangle, a position is c[0] +
 /// c[1] s + c[2] t + c[3] s^2 + c[4] s t + c[5] t^2.
 struct WarpPatch {
-  std::array<float, 6> across{};  ///< Azimuth, in a panorama.
-  std::array<float, 6> up{};      ///< Tangent of elevation, in a panorama.
+  std::array<float, 6> across{};  ///< In a panorama: azimuth.
+  std::array<float, 6> up{};      ///< In a panorama: tangent of elevation.
 };
 
 /// A projector's whole picture cut into equal rectangles. In each, a polynomial of second degree gives the pixels'
@@ -30,7 +30,7 @@ struct WarpPatches {
 
   [[nodiscard]] int across() const { return (width_px + patch_width_px - 1) / patch_width_px; }
   [[nodiscard]] int down() const { return (height_px + patch_height_px - 1) / patch_height_px; }
-  /// Precondition: the pixel is inside the picture.
+  /// Returns the position of a pixel in the picture. Precondition: the pixel is inside the projector's picture.
   [[nodiscard]] PanoramaDirection at(const Eigen::Vector2d& pixel) const;
 };
 

@@ -18,13 +18,13 @@ struct ClockExchange {
   TimePoint heard{};  ///< Arrival of the answer, on our clock.
 };
 
-/// Relation of another clock to ours. A value that may cross threads.
+/// Relation of another clock to this computer's clock. A value that may cross threads.
 struct ClockReading {
   bool is_known = false;
-  std::uint64_t offset_ns = 0;  ///< Theirs minus ours, modulo 2^64.
+  std::uint64_t offset_ns = 0;  ///< The other clock's time minus this clock's, modulo 2^64.
   Duration error{};             ///< Upper bound of the offset's error.
 
-  /// Returns the other clock's time in nanoseconds when ours shows `ours`. Precondition: is_known.
+  /// Returns the other clock's time in nanoseconds when this clock shows `ours`. Precondition: is_known.
   [[nodiscard]] std::int64_t at(TimePoint ours) const {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(to_nanoseconds(ours)) + offset_ns);
   }

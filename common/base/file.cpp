@@ -45,7 +45,7 @@ Result<Container> read_into(const std::filesystem::path& path, std::size_t limit
     const ssize_t n = ::read(file.fd.get(), content.data() + done, content.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return Error::from_errno(fmt::format("reading '{}'", path.string()));
-    if (n == 0) break;  // The file was truncated meanwhile: returns what there is.
+    if (n == 0) break;  // The file was truncated meanwhile; what remains is returned.
     done += static_cast<std::size_t>(n);
   }
   content.resize(done);

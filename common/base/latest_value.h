@@ -24,7 +24,7 @@ class LatestValue {
     return dropped;
   }
 
-  /// Takes the value; empty if the slot is. Never blocks for long.
+  /// Takes the value; empty if the slot is empty. Never blocks for long.
   [[nodiscard]] std::optional<T> take() {
     const std::lock_guard lock(mutex_);
     return std::exchange(value_, std::nullopt);

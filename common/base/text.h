@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Functions for text that several folders use.
+/// Functions for texts that several folders use.
 #pragma once
 
 #include <optional>

@@ -25,7 +25,7 @@ struct TagBoard {
   [[nodiscard]] Eigen::Vector2d corner_m(int index) const {
     return square_m * Eigen::Vector2d(index % (columns - 1), index / (columns - 1));
   }
-  /// Colour of the square in column `x`, row `y`.
+  /// True if the square in column `x`, row `y` is black.
   [[nodiscard]] static bool is_black(int x, int y) { return (x + y) % 2 == 0; }
   [[nodiscard]] int tags() const { return columns * rows / 2; }
   /// Returns the corners of a tag's black square: upper left, upper right, lower right, lower left. Empty for a tag

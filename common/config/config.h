@@ -22,7 +22,7 @@
 
 namespace cyclorama {
 
-/// Closed interval of legal values.
+/// Closed interval of valid values.
 struct Range {
   double min;
   double max;
@@ -48,7 +48,7 @@ class ConfigTable {
   std::vector<std::string> texts(std::string_view key, std::optional<std::vector<std::string>> fallback = std::nullopt);
   /// Returns the table [key]; if it is absent, an empty table, whose required keys are then missing.
   ConfigTable table(std::string_view key);
-  /// Returns the tables [[key]]; none if the key is absent.
+  /// Returns the tables [[key]]; empty if the key is absent.
   std::vector<ConfigTable> tables(std::string_view key);
 
   /// Records a mistake that only the caller can detect, at the line of the key, or of the table if the key is absent.

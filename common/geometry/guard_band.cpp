@@ -126,7 +126,7 @@ PictureShape grown(const Perspective& p, double guard, double parallax) {
   return wider;
 }
 PictureShape grown(const Fisheye& p, double guard, double parallax) {
-  // Angle by which a turn moves the axis.
+  // Maximum angle by which the turn moves the axis.
   const double moves = 2.0 * std::asin(std::abs(std::cos(p.tilt_rad)) * std::sin(0.5 * std::min(guard, 0.5 * kTurn)));
   const double field = std::min(p.field_rad + 2.0 * (moves + parallax), kTurn);
   const double larger = field / p.field_rad;

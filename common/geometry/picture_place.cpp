@@ -44,7 +44,7 @@ PixelScale scale(const Equirectangular& s) {
                   spread(s.elevation_top_rad, s.elevation_bottom_rad, s.height_px));
 }
 
-// Directions in the picture's own axes:
+// The functions below return directions in the picture's axes.
 
 Eigen::Vector3d direction(const Panorama&, const PicturePlace& p) {
   return {std::sin(p.across), p.up, -std::cos(p.across)};

@@ -79,7 +79,7 @@ using PictureShape = std::variant<Panorama, Perspective, Fisheye, Equirectangula
 [[nodiscard]] std::optional<PanoramaPixel> pixel_of(const PictureShape& shape, const Eigen::Vector3d& direction);
 
 enum class Eyes {
-  kMono,      ///< One eye, midway between the two.
+  kMono,      ///< One eye, in the middle between the two.
   kLeft,      ///< Left eye.
   kRight,     ///< Right eye.
   kOverUnder  ///< Both in one picture of twice the shape's height, the left eye's above.
@@ -112,7 +112,7 @@ struct Projection {
   PictureShape shape = Panorama{};
   Viewing viewing;
 
-  /// Number of pictures of the shape, one above another: 2 with both eyes.
+  /// Number of pictures, one above another; 2 with both eyes.
   [[nodiscard]] int stacked() const { return viewing.eyes == Eyes::kOverUnder ? 2 : 1; }
   /// Size of the whole picture, which contains both eyes' pictures if there are two.
   [[nodiscard]] int width_px() const { return cyclorama::width_px(shape); }

@@ -7,7 +7,7 @@ namespace cyclorama {
 namespace {
 
 constexpr std::uint32_t kMaxLength = 16;
-/// Symbols of the code that stores lengths: 0 to 16 are lengths; the others repeat a length.
+/// Symbols of the code that stores lengths: 0 to 16 are lengths; the others repeat a length or zero.
 enum LengthSymbol : std::uint32_t { kShortZeros = 17, kLongZeros, kShortRepeat, kLongRepeat, kLengthSymbols };
 constexpr std::array<std::uint8_t, kLengthSymbols> kLengthOrder = {17, 18, 19, 20, 0,  8, 7,  9, 6,  10, 5,
                                                                    11, 4,  12, 3,  13, 2, 14, 1, 15, 16};

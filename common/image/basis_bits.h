@@ -20,7 +20,8 @@ class BasisBits {
 
   /// Takes the next `count` bits. Precondition: `count` is at most 25.
   std::uint32_t take(int count);
-  /// Takes an integer that is stored in groups of `group_bits`, each with a bit that is set if another follows.
+  /// Takes an integer that is stored in groups of `group_bits`, each followed by a bit that is set if another group
+  /// follows.
   std::uint32_t take_groups(int group_bits);
   /// True once more bits were taken than exist, or if an integer did not end.
   [[nodiscard]] bool overran() const { return overran_; }
@@ -47,7 +48,7 @@ class BasisHuffman {
   static Result<BasisHuffman> of_lengths(const std::vector<std::uint8_t>& lengths);
 
   std::array<std::uint32_t, kMaxBits + 1> count_{};  ///< Number of words of each length.
-  std::vector<std::uint16_t> symbols_;               ///< In the order of their words.
+  std::vector<std::uint16_t> symbols_;               ///< In the order of their code words.
 };
 
 }  // namespace cyclorama

@@ -9,7 +9,7 @@
 namespace cyclorama {
 namespace {
 
-/// Rows from the top; the five low bits of a row are its columns, and bit 4 is the leftmost.
+/// Seven rows from the top. The five low bits of a row are its columns; bit 4 is the leftmost.
 struct Glyph {
   char character;
   std::array<std::uint8_t, 7> rows;

@@ -16,7 +16,7 @@ constexpr std::array<std::array<int, 4>, 8> kModifiers = {{{-8, -2, 2, 8},
                                                            {-80, -24, 24, 80},
                                                            {-106, -33, 33, 106},
                                                            {-183, -47, 47, 183}}};
-constexpr std::uint32_t kMaxRun = 63;  ///< Symbol of a run whose length follows.
+constexpr std::uint32_t kMaxRun = 63;  ///< Symbol for a run whose length is stored after it.
 constexpr std::uint32_t kMinRun = 3;
 
 Error damaged(const char* what) {
@@ -33,7 +33,7 @@ class History {
     selectors_[rover_++] = selector;
     if (rover_ == selectors_.size()) rover_ = selectors_.size() / 2;
   }
-  /// Precondition: `place` is below size().
+  /// Returns the selector at `place`, and moves it half way to the front. Precondition: `place` is below size().
   std::uint32_t use(std::size_t place) {
     const std::uint32_t used = selectors_[place];
     if (place > 0) std::swap(selectors_[place / 2], selectors_[place]);
@@ -138,7 +138,7 @@ class Etc1sCodebook::Slice {
 
 Status Etc1sCodebook::read_endpoints(const Etc1sSource& source) {
   BasisBits bits(source.endpoints);
-  std::array<BasisHuffman, 3> steps;  // Used after dark, middle and light colours.
+  std::array<BasisHuffman, 3> steps;  // Three codes, used after dark, middle and light colours.
   for (BasisHuffman& step : steps) {
     TRY_ASSIGN(step, BasisHuffman::read(&bits));
   }

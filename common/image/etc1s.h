@@ -24,10 +24,10 @@ struct Etc1sSource {
   std::span<const std::byte> tables;
 };
 
-/// Colours, selectors and codes that all pictures of a texture share. Thread-safe once it was read.
+/// Colours, selectors and codes that all pictures of a texture share. Thread-safe once read.
 class Etc1sCodebook {
  public:
-  /// Errors: kBadData if it is damaged.
+  /// Reads the codebook. Errors: kBadData if it is damaged.
   static Result<Etc1sCodebook> read(const Etc1sSource& source);
 
   enum class Target { kColour, kAlpha };

@@ -17,7 +17,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr int kMaxScans = 500;  // Without it, a progressive file of a few kilobytes can take hours.
+constexpr int kMaxScans = 500;  // Without this limit, a progressive file of a few kilobytes could take hours.
 
 struct Failure {
   jpeg_error_mgr manager;
@@ -84,7 +84,7 @@ class Decoder {
   [[nodiscard]] bool is_cmyk() const {
     return info_.jpeg_color_space == JCS_CMYK || info_.jpeg_color_space == JCS_YCCK;
   }
-  /// Adobe's programs store ink as 255 - ink.
+  /// True if ink is stored as 255 - ink, as Adobe's programs do.
   [[nodiscard]] bool is_inverted() const { return info_.saw_Adobe_marker != 0; }
   [[nodiscard]] std::string message() const { return failure_.message.data(); }
 

@@ -28,7 +28,7 @@ using InverseDepthImage = Image<std::uint16_t, 1>;
 
 /// Returns the value of a distance in metres; infinity and NaN give 0. Reentrant, like all functions here.
 [[nodiscard]] std::uint16_t inverse_depth_of(float distance_m);
-/// Returns 1 / distance, per metre.
+/// Returns the inverse distance in 1/m.
 [[nodiscard]] inline float inverse_metres(std::uint16_t inverse_depth) {
   return static_cast<float>(inverse_depth) * static_cast<float>(1.0 / (kMaxInverseDepth * kMinDepth_m));
 }

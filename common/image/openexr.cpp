@@ -44,7 +44,8 @@ Status check_attributes(std::string_view text) {
     }
     std::uint32_t length = 0;
     if (text.size() - at < sizeof(length)) return broken();
-    std::memcpy(&length, text.data() + at, sizeof(length));  // Little-endian, like every supported machine.
+    // The length is little-endian, like every supported machine.
+    std::memcpy(&length, text.data() + at, sizeof(length));
     at += sizeof(length);
     if (length > text.size() - at) return broken();
     at += length;

@@ -22,7 +22,8 @@ inline constexpr int kWatermarkPeriodCells = 64;
 /// costs JPEG no bytes, stays black.
 inline constexpr int kWatermarkMarginCodes = 8;
 
-/// The farm uses the defaults; `cyclorama-bench-render watermark` measures the cost and effect of other values.
+/// Strength of the mark. The farm uses the defaults; `cyclorama-bench-render watermark` measures the cost and effect of
+/// others.
 struct WatermarkStrength {
   int amplitude = 1;   ///< In code values, 1 to kWatermarkMarginCodes.
   int sparseness = 3;  ///< One cell in 2^sparseness is marked; 0 to 4.
@@ -33,7 +34,7 @@ struct WatermarkRow {
   std::uint64_t marked = 0;
   std::uint64_t lighter = 0;  ///< Marked cells that become lighter; other marked cells become darker.
 };
-/// Returns row number `row`, which may be any number: rows repeat after kWatermarkPeriodCells. Reentrant.
+/// Returns row `row` of the pattern. Any number is valid, since rows repeat after kWatermarkPeriodCells. Reentrant.
 [[nodiscard]] WatermarkRow watermark_row(std::uint64_t key, int row, int sparseness);
 
 /// Marks the part `rect` of a picture. The mark depends only on the position in the whole picture, so the result is the

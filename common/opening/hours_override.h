@@ -21,7 +21,7 @@ inline constexpr const char* kHoursOverrideFile = "hours/override";  ///< In the
 /// Maximum duration: from an opening day to the same day of the next week, even if the clock is set back meanwhile.
 inline constexpr auto kMaxOverrideDuration = std::chrono::hours(24 * 9);
 
-/// An override. A value. Whole seconds; set_at < until <= set_at + kMaxOverrideDuration, from every source.
+/// An override of the hours. A value. Times have whole seconds; set_at < until <= set_at + kMaxOverrideDuration.
 struct HoursOverride {
   bool is_open = true;
   WallTime set_at{};

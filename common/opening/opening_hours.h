@@ -55,7 +55,7 @@ class OpeningHours {
   [[nodiscard]] absl::TimeZone zone() const { return is_always_ ? absl::LocalTimeZone() : zone_; }
 
  private:
-  /// Minutes since the day's beginning; the end may be in the next day.
+  /// Minutes since the day began; the end may lie in the next day.
   struct Span {
     int from = 0;
     int to = 0;

@@ -22,7 +22,7 @@ extern char** environ;
 namespace cyclorama {
 namespace {
 
-/// Initial state of the child: signals that are blocked in this process must not be blocked in the child.
+/// Plan for the child's initial state. Signals that are blocked in this process must not be blocked in the child.
 class SpawnPlan {
  public:
   explicit SpawnPlan(int output) {

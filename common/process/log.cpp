@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <sys/uio.h>
-#define SD_JOURNAL_SUPPRESS_LOCATION  // The location would be this file for every entry.
+#define SD_JOURNAL_SUPPRESS_LOCATION  // Otherwise, every entry would name this file as its location.
 #include <systemd/sd-journal.h>
 #include <unistd.h>
 

@@ -19,10 +19,10 @@
 
 namespace cyclorama {
 
-/// Connector of a projector, and orientation of its picture on the panel.
+/// Connector of a projector, and the rotation of its picture.
 struct Plug {
   std::optional<int> card{};  ///< Index into Installation::cards, from 0; absent: the first card that fits.
-  std::string connector{};    ///< "HDMI-A-1"; empty: any free connector.
+  std::string connector{};    ///< Such as "HDMI-A-1"; empty: any free connector.
   int turn_deg = 0;           ///< Clockwise: 0, 90, 180, 270.
 };
 
@@ -46,7 +46,7 @@ struct InstalledProjector {
   Pinhole lens;
   RigidTransform<frame::Room, frame::Projector> T_room_projector;
   Plug plug{};
-  std::optional<PjlinkPlace> pjlink{};  ///< Absent: switched by hand.
+  std::optional<PjlinkPlace> pjlink{};  ///< Absent: the projector is switched by hand.
   std::optional<InstalledWarp> warp = {};
 };
 
@@ -56,8 +56,8 @@ struct Installation {
   Wall wall;
   Point<frame::Room> sweet_spot;  ///< Position of the visitor's eye.
   std::vector<InstalledProjector> projectors;
-  std::vector<std::filesystem::path> cards{};  ///< The first one renders; empty: all cards of the computer.
-  std::optional<InstalledStereo> stereo{};     ///< Absent: one picture for both eyes.
+  std::vector<std::filesystem::path> cards{};  ///< The first card renders; empty: all cards of the computer.
+  std::optional<InstalledStereo> stereo{};     ///< Absent: both eyes see the same picture.
 
   /// Returns the smallest picture of the sweet spot that covers the wall, `width_px` wide.
   ///

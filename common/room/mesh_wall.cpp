@@ -43,7 +43,7 @@ struct MeshWall::Surface {
   struct Rim {
     Eigen::Vector3d a;
     Eigen::Vector3d b;
-    Eigen::Vector3d normal;  ///< Unit normal of its triangle.
+    Eigen::Vector3d normal;  ///< Unit normal of the edge's triangle.
   };
   std::vector<Rim> rim;
 };

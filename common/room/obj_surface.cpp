@@ -54,7 +54,7 @@ class Reader {
     return Error(ErrorCode::kBadData, fmt::format("line {}: {}", statements_.line(), what));
   }
 
-  /// Parses at least `min` numbers, each a whole word and finite.
+  /// Parses at least `min` numbers, each of which is a whole word and finite.
   Result<std::vector<double>> numbers(std::string_view rest, std::size_t min) const {
     std::vector<double> values;
     for (std::string_view word = next_word(&rest); !word.empty(); word = next_word(&rest)) {

@@ -31,7 +31,7 @@ struct ObjEdge {
 /// MeshWall::read().
 Result<ObjSurface> read_obj_surface(std::string_view text);
 
-/// Returns each edge once.
+/// Returns all edges, each once.
 [[nodiscard]] std::vector<ObjEdge> edges_of(const ObjSurface& surface);
 
 }  // namespace cyclorama

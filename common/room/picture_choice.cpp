@@ -16,7 +16,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 // The limit of validate(); a very narrow and high wall gets pixels that are not square.
 constexpr int kMaxSidePx = 16384;
-/// A wall this close to a full turn counts as one, since its outline is known only at points.
+/// Tolerance in radians within which a wall counts as a full turn, since its outline is known only at points.
 constexpr double kSlit = 0.1;
 /// Tangent of 75 degrees, where a pixel of a flat picture covers a fifteenth of the angle that a pixel in the middle
 /// covers.

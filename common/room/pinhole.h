@@ -19,7 +19,7 @@ struct Pinhole {
   double focal_px = 0.0;
   double centre_u_px = 0.0;
   double centre_v_px = 0.0;
-  double pixel_aspect = 1.0;  ///< Differs from 1 where two eyes share a projector's pixels.
+  double pixel_aspect = 1.0;  ///< Other than 1 where two eyes share a projector's pixels.
 
   /// Returns a centred lens whose whole width spans `horizontal_fov_rad`.
   static Pinhole from_field_of_view(int width_px, int height_px, double horizontal_fov_rad);

@@ -19,7 +19,8 @@ struct WallRectangle {
   /// Returns the rectangle that faces a viewer who looks `pan_rad` to the right of -z and then `tilt_rad` upwards.
   static WallRectangle facing(const Point<frame::Room>& middle, double pan_rad, double tilt_rad, double width_m,
                               double height_m);
-  /// Returns an upright rectangle above a line on the floor, which runs from left to right as seen from the lit side.
+  /// Returns an upright rectangle above a line on the floor. The line runs from left to right as seen from the lit
+  /// side.
   static WallRectangle above(const Eigen::Vector2d& left_xz, const Eigen::Vector2d& right_xz, double bottom_m,
                              double top_m);
 

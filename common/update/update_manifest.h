@@ -26,7 +26,7 @@ struct UpdateFile {
 /// A value. There is one kernel image, one root and one file of root's hashes, all of one version.
 struct UpdateManifest {
   std::string version;
-  std::array<UpdateFile, 3> files;  ///< Kernel image, root, root's hashes.
+  std::array<UpdateFile, 3> files;  ///< In this order: kernel image, root, root's hashes.
 };
 
 /// Errors: kBadData, with the line, if the text has another form, belongs to another image, or does not have exactly

@@ -35,7 +35,7 @@ struct Wand {
   std::string name;
   std::vector<WandTag> tags;
 
-  /// Identifies the wand on the wire and in the state: its first tag's id.
+  /// Returns the id of the first tag, which identifies the wand on the wire and in the state.
   [[nodiscard]] int id() const { return tags.front().id; }
 };
 

@@ -19,7 +19,7 @@ constexpr std::uint32_t kMaxLightSamples = 16;
 constexpr float kMaxRadianceLimit = 1e9f;
 // Far beyond any scene, but within the range of float, which the ray kernels use.
 constexpr double kMaxEyeCoordinateM = 1e7;
-constexpr double kSteepest = 1e4;           // Tangent, within a hundredth of a degree of a right angle.
+constexpr double kSteepest = 1e4;           // Maximum tangent, within a hundredth of a degree of a right angle.
 constexpr double kMaxEyeDistance_m = 1.0;   // Upper bound of the interpupillary distance; adults have about 0.063 m.
 
 Error refuse(const char* field, const std::string& what) {

@@ -20,7 +20,8 @@ Result<Projection> from_wire(const wire::Panorama& p);
 /// Converts a picture for one eye. Precondition: it is not equirectangular, since such a picture is never requested
 /// from a farm.
 void to_wire(const PictureShape& shape, wire::Panorama* ret_p);
-/// Preconditions: not equirectangular; one eye at the sweet spot, or both eyes beside it in one picture.
+/// Converts a picture for one eye or both. Preconditions: it is not equirectangular; one eye is at the sweet spot, or
+/// both are beside it.
 void to_wire(const Projection& picture, wire::Panorama* ret_p);
 
 /// Checks everything in a view that a node or a display relies on. Errors: kInvalidArgument, which names the field.

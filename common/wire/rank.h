@@ -11,7 +11,7 @@ namespace cyclorama {
 enum class WorkClass : std::uint8_t {
   kMoving,  ///< Pictures of visitors who move.
   kAtRest,  ///< Refinements of pictures of visitors who stand still.
-  kSpare,   ///< All work for a museum beyond its quota: it gets what all others leave.
+  kSpare,   ///< All work beyond a museum's quota: it gets what all other work leaves.
 };
 inline constexpr std::size_t kWorkClasses = 3;
 

@@ -23,7 +23,7 @@ namespace cyclorama {
 struct TlsFiles {
   std::filesystem::path authority{};    ///< Certificate of the trusted authority.
   std::filesystem::path certificate{};  ///< This process's own certificate.
-  std::filesystem::path key{};          ///< Readable only by its user.
+  std::filesystem::path key{};          ///< This process's private key; readable only by its user.
 
   bool operator==(const TlsFiles&) const = default;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Datagrams over UDP, by IPv6 or IPv4. Nothing blocks; a datagram to an absent receiver is lost.
+/// Datagrams over UDP, by IPv6 or IPv4. No call blocks; a datagram to an absent receiver is lost.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +16,9 @@ namespace cyclorama::tracker {
 /// Sends datagrams to one address. Thread-bound.
 class DatagramSender {
  public:
-  /// Errors: kInvalidArgument if the address is not HOST:PORT, or the host is unknown; kSystem.
+  /// Errors: kInvalidArgument if the address is not HOST:PORT, or the host is unknown; kSystem for other failures.
   static Result<DatagramSender> open(const std::string& address);
-  /// Sends a datagram; if the network does not take it now, it is lost, as any datagram may be.
+  /// Sends a datagram. It is lost if the network does not take it now, as any datagram may be.
   void send(std::span<const std::byte> datagram) const;
 
  private:

@@ -21,7 +21,7 @@ namespace cyclorama::tracker {
 struct OscNothing {
   friend bool operator==(const OscNothing&, const OscNothing&) = default;
 };
-/// Fractions of a second since 1900, as in NTP; 1 means "at once".
+/// A time as in NTP: seconds since 1900 and their fractions; 1 means "at once".
 struct OscTime {
   std::uint64_t ntp = 1;
   friend bool operator==(const OscTime&, const OscTime&) = default;
@@ -38,7 +38,7 @@ struct OscMessage {
   friend bool operator==(const OscMessage&, const OscMessage&) = default;
 };
 
-/// Precondition: texts contain no NUL byte.
+/// Encodes a message. Precondition: texts contain no NUL byte.
 [[nodiscard]] std::vector<std::byte> encode_osc(const OscMessage& message);
 
 /// Returns the messages of a packet; those of nested bundles in order. Errors: kBadData for parts that are not padded

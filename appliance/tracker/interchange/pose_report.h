@@ -10,7 +10,7 @@
 
 namespace cyclorama::tracker {
 
-/// Numbers as received; pose_of() checks them.
+/// A sensor's pose, with numbers as received; pose_of() checks them.
 struct PoseReport {
   std::int32_t sensor = 0;  ///< Distinguishes several wands. In Cyclorama's reports: the tag's id.
   std::uint64_t sequence = 0;
@@ -23,7 +23,7 @@ struct PoseReport {
 
 /// Axes of another tracker.
 enum class TrackerAxes {
-  kCamera,  ///< Cyclorama's: X right, Y down, Z forward of a camera at the wall that faces the visitor.
+  kCamera,  ///< Axes of Cyclorama: X right, Y down, Z forward of a camera at the wall that faces the visitor.
   kRoom,    ///< X to the visitor's right, Y up, Z towards the visitor; origin at the wall, where a camera would be.
 };
 

@@ -33,7 +33,7 @@ namespace cyclorama::tracker {
 /// Reads the datagrams of one sender, in order, since names may have come in an earlier datagram. A value.
 class VrpnReader {
  public:
-  /// Reads only the poses of `device`; empty: those of every device.
+  /// Reads only the poses of `device`; empty: those of all devices.
   explicit VrpnReader(std::string device) : device_(std::move(device)) {}
 
   /// Returns the poses in a datagram, with sequence numbers of this reader. Messages of other kinds are skipped.

@@ -122,7 +122,7 @@ void Background::compare(double seconds, const std::optional<CellBounds>& visito
         cell.seen = std::min(cell.seen + 1.0f, 1e6f);
         const float weight = std::max(slow, 1.0f / cell.seen);
         cell.mean += weight * off;
-        // The influence of one outlier is bounded.
+        // Bounds the influence of a single outlier.
         cell.variance += weight * (std::min(off * off, 9.0f * deviation * deviation) - cell.variance);
         cell.still_s = 0.0f;
         continue;

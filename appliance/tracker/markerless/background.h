@@ -38,7 +38,7 @@ class Background {
   /// restarts the learning.
   const Silhouette& update(const GreyImage& picture, TimePoint at, const std::optional<CellBounds>& visitor);
   [[nodiscard]] const Silhouette& silhouette() const { return silhouette_; }
-  /// Returns the side of a cell in pixels, for pictures of this width.
+  /// Returns the side of a cell in pixels, for pictures of `width_px`.
   [[nodiscard]] int cell_px(int width_px) const;
 
  private:
@@ -46,7 +46,7 @@ class Background {
     float mean = 0.0f;      ///< Logarithm of the brightness, relative to the light at the start.
     float variance = 0.0f;  ///< Variance of that logarithm from picture to picture.
     float seen = 0.0f;      ///< Number of pictures that the cell was learned from.
-    float held = 0.0f;      ///< Value that it has shown for `still_s`; for ghosts and chairs.
+    float held = 0.0f;      ///< Value that the cell has shown for `still_s`; for ghosts and chairs.
     float still_s = 0.0f;
   };
   void begin(int width, int height, TimePoint at);

@@ -16,11 +16,11 @@ constexpr Duration kRemembered = std::chrono::seconds(2);
 /// Maximum speed of a walking or bending person.
 constexpr double kMaxSpeedMPerS = 2.5;
 constexpr double kMaxSpeedRadPerS = 2.5;
-/// Maximum motion of a person who stands still, while arriving.
+/// Maximum motion of an arriving person who counts as standing still.
 constexpr double kStillM = 0.09;
 constexpr double kStillRad = 0.12;
 constexpr double kMaxLeanRad = 0.7;
-/// A chest that is wider than on arrival by this factor belongs to two people.
+/// Factor from which a chest that is wider than on arrival belongs to two people.
 constexpr double kMerged = 1.3;
 /// Factor by which a lean that cannot be measured fades in each picture.
 constexpr double kFades = 0.95;
@@ -130,7 +130,7 @@ std::optional<BodyPose> BodyFollower::update(const Silhouette& silhouette, const
   for (const HeadCandidate& position :
        find_heads(share, kMinHeadM * lens.focal_px / farthest, kMaxHeadM * lens.focal_px / nearest)) {
     const auto shape = measured(silhouette, position);
-    if (!shape || shape->outline <= 0.0) continue;  // A ghost.
+    if (!shape || shape->outline <= 0.0) continue;  // The outline is a ghost's.
     if (!shape->has_chest && phase_ != BodyPhase::kFollowed) continue;
     const Standing now = standing(*shape, lens, at);
     if (now.depth_m < nearest || now.depth_m > farthest || std::abs(now.x_m) > settings_.follow_radius_m) continue;

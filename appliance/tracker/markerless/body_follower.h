@@ -13,10 +13,10 @@ namespace cyclorama::tracker {
 
 /// Settings for visitors who steer by their bodies: where they stand, and when following starts.
 struct BodySettings {
-  double mark_distance_m = 2.0;  ///< From the camera to the mark on the floor.
+  double mark_distance_m = 2.0;  ///< Distance from the camera to the mark on the floor.
   double follow_radius_m = 0.9;  ///< A visitor is followed within this distance of the mark.
   double begin_within_m = 0.5;   ///< A visitor must come to rest within this distance of the mark.
-  Duration begins_after = std::chrono::milliseconds(900);  ///< Time for which a visitor must stand still there.
+  Duration begins_after = std::chrono::milliseconds(900);  ///< Time for which a visitor must stand still near the mark.
 };
 
 enum class BodyPhase { kNobody, kArriving, kFollowed };
@@ -25,7 +25,7 @@ enum class BodyPhase { kNobody, kArriving, kFollowed };
 struct BodyPose {
   double x_m = 0.0;
   double depth_m = 0.0;
-  double lean_rad = 0.0;  ///< Relative to the posture on arrival; positive to the visitor's own right.
+  double lean_rad = 0.0;  ///< Relative to the posture on arrival; positive to the visitor's right.
   double x_deviation_m = 0.0;
   double depth_deviation_m = 0.0;
   double lean_deviation_rad = 0.0;
@@ -47,12 +47,13 @@ class BodyFollower {
  public:
   explicit BodyFollower(const BodySettings& settings) : settings_(settings) {}
 
-  /// `lens` is in units of cells. Empty if nobody is followed in this picture.
+  /// Returns the pose of the followed visitor; empty if nobody is followed in this picture. `lens` is in units of
+  /// cells.
   std::optional<BodyPose> update(const Silhouette& silhouette, const Pinhole& lens, TimePoint at);
   [[nodiscard]] BodyPhase phase() const { return phase_; }
   /// Region of the visitor, now or a moment ago; the background must not be learned there.
   [[nodiscard]] const std::optional<CellBounds>& region() const { return region_; }
-  /// Shape in the newest picture, in cells, for display.
+  /// Shape of the visitor in the newest picture, in cells, for display.
   [[nodiscard]] const std::optional<BodyShape>& shape() const { return shape_; }
 
  private:
@@ -80,7 +81,7 @@ class BodyFollower {
   std::optional<BodyPose> miss(TimePoint at);
   void forget();
 
-  /// Width of an adult's head; a child of six has 0.145.
+  /// Width of an adult's head in metres; a child of six has 0.145.
   static constexpr double kHeadM = 0.155;
   BodySettings settings_;
   BodyPhase phase_ = BodyPhase::kNobody;

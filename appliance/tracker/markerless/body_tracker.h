@@ -22,9 +22,9 @@ class BodyTracker {
   /// is finite.
   std::optional<BodyPose> update(const GreyImage& picture, const Pinhole& lens, TimePoint at);
 
-  /// Returns the state in a few words, such as "waits for a visitor"; they have static lifetime.
+  /// Returns the state in a few words, such as "waits for a visitor". The text has static lifetime.
   [[nodiscard]] const char* state() const;
-  /// Returns the picture with everything marked that is not the room, and the head and chest that are followed.
+  /// Returns the picture with marks on everything that is not the room, and on the head and chest that are followed.
   [[nodiscard]] RgbImage drawn(const GreyImage& picture) const;
 
  private:

@@ -107,7 +107,7 @@ double outline_at(const Silhouette& silhouette, double u, int y) {
 
 struct Spread {
   double median = 0.0;
-  double deviation = 0.0;  ///< Deviation of the median.
+  double deviation = 0.0;  ///< Standard deviation of the median.
 };
 std::optional<Spread> spread_of(std::vector<double> values) {
   if (values.size() < 3) return std::nullopt;
@@ -143,7 +143,7 @@ SummedShare::SummedShare(const Image<float, 1>& share)
 }
 
 double SummedShare::mean(double left, double top, double right, double bottom) const {
-  // Uses whole cells, those whose middle is inside.
+  // Uses those whole cells whose middle is inside.
   const int x0 = static_cast<int>(std::lround(left)), x1 = std::max(x0 + 1, static_cast<int>(std::lround(right)));
   const int y0 = static_cast<int>(std::lround(top)), y1 = std::max(y0 + 1, static_cast<int>(std::lround(bottom)));
   const double all = static_cast<double>(x1 - x0) * static_cast<double>(y1 - y0);
@@ -235,7 +235,7 @@ std::optional<BodyShape> measured(const Silhouette& silhouette, const HeadCandid
   }
   shape.head = head;
   shape.hip_u = head.u;
-  shape.hip_deviation = head.width;  // Range in which people lean, in case that the hip cannot be measured.
+  shape.hip_deviation = head.width;  // Range of people's leans, since the hip could not be measured.
   shape.lean_deviation = 0.2;
   const auto chest = spread_of(middles);
   const auto chest_width = spread_of(chests);

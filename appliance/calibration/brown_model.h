@@ -14,7 +14,7 @@
 
 namespace cyclorama::calibration {
 
-/// Focal lengths and principal point in pixels; dimensionless coefficients.
+/// Parameters of a lens: focal lengths and principal point in pixels, and dimensionless coefficients.
 struct BrownParameters {
   int width_px = 0;
   int height_px = 0;

@@ -37,7 +37,7 @@ struct ShowFile {
       PoseMatrix root;
     };
     std::optional<Learned> learned{};
-    std::string unplaced{};  ///< See ShowProjector::unplaced; `scanned` is then the installed pose.
+    std::string unplaced{};  ///< See ShowProjector::unplaced. If it is not empty, `scanned` is the installed pose.
     /// Light per channel, rounded by rounded_light(); absent if not measured.
     std::optional<std::array<CodeLight, 3>> light{};
   };

@@ -51,8 +51,8 @@ struct Surface {
   /// Columns: right, up and back of an eye that looks at the wall's middle. Right-handed.
   Eigen::Matrix3d R_eye_wall = Eigen::Matrix3d::Identity();
   double distance_m = 4.0;
-  SplineAxis across{};  ///< For a profile (angle about the axis) and a mesh (first angle of its chart).
-  SplineAxis up{};      ///< For a mesh (second angle).
+  SplineAxis across{};  ///< Knots of a profile (angle about the axis) and of a mesh (first angle of its chart).
+  SplineAxis up{};      ///< Knots of a mesh (second angle).
   std::vector<double> parameters;
 
   /// Returns the number of the model's parameters.

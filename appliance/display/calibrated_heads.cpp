@@ -70,8 +70,8 @@ Status add_colours(std::vector<calibration::CalibratedColour> colours, const Ins
 /// Displacement of a projector from which masks are adapted to it; below it, their ramps hardly change.
 constexpr double kCarryMasksFrom_px = 2.0;
 
-/// Adapts the maps to the present poses. Returns true if a projector moved so far that the masks must follow. Without a
-/// correction, or if it belongs to another calibration or is unreadable, everything stays as measured.
+/// Adapts the maps to the present poses. Returns true if a projector moved so far that the masks must be adapted as
+/// well. Without a correction, or if it belongs to another calibration or is unreadable, everything stays as measured.
 bool correct_maps(const std::filesystem::path& folder, const Installation& installation,
                   calibration::Calibration* calibration, std::vector<std::string>* corrected) {
   const auto show = calibration::read_show(folder / calibration::kCorrectionFile);

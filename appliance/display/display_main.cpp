@@ -16,7 +16,7 @@
 namespace cyclorama::display {
 namespace {
 
-// A busy, emulated processor needs almost a minute to compile a shader.
+// Timeout for one step of the start. A busy, emulated processor needs almost a minute to compile a shader.
 constexpr auto kStartStepTimeout = std::chrono::minutes(3);
 // Most projectors support this rate; others take the nearest rate that they support.
 constexpr double kProjectors_hz = 60.0;

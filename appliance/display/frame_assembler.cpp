@@ -131,7 +131,7 @@ class FrameAssembler::Assembly {
   }
 
   /// Records the arrival of a tile. Errors: kBadData if its rectangle does not match the tile grid, or another tile
-  /// filled it.
+  /// already covers it.
   Status claim(const wire::Tile& tile) {
     TRY(validate(tile, width(), height()));
     const int x = static_cast<int>(tile.x_px());

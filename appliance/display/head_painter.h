@@ -32,8 +32,7 @@ class HeadPainter {
     return make(gl, programs, HeadUpload(plan), texels);
   }
 
-  /// Sets the number of bits per code value, instead of the plan's, when another device is connected. Precondition: in
-  /// [1, 16].
+  /// Replaces the plan's number of bits per code value, after another device was connected. Precondition: in [1, 16].
   void set_depth(int depth_bits);
 
   /// Draws into the bound framebuffer. Pixels without a position in the warp become black. Positions beyond the picture
@@ -55,7 +54,7 @@ class HeadPainter {
   struct Part {
     /// Indexed by whether the picture's edges must be respected, and whether two pictures are mixed.
     std::array<std::array<const HeadProgram*, 2>, 2> programs{};
-    GLsizei first = 0;  ///< Index of the first vertex index.
+    GLsizei first = 0;  ///< Position of the part's first index in the index buffer.
     GLsizei count = 0;
   };
   HeadPainter(const output::Gl& gl, const HeadUpload& upload, Texels texels);

@@ -23,7 +23,7 @@ enum class WarpKind {
   kPixelMap,   ///< A texture.
 };
 
-/// Features of pass 2 that a group of a head's triangles needs; no others are compiled in.
+/// Features of pass 2 that a group of a head's triangles needs; only these are compiled in.
 struct HeadFeatures {
   YawCorrection turning = YawCorrection::kShift;
   WarpKind warp_kind = WarpKind::kTriangles;

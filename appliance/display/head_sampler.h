@@ -13,9 +13,9 @@ namespace cyclorama::display {
 /// Computes on the processor, at reduced size, the picture that the graphics card draws for one head, to compare the
 /// wall's picture with a camera's. A value; reentrant.
 ///
-/// Each output pixel covers `factor` by `factor` head pixels. It samples the picture in their middle (a panorama has
-/// about as many pixels as the heads, so hardly any detail is missed) and uses the mean of their mask. There is no
-/// dither.
+/// Each output pixel stands for `factor` by `factor` head pixels. It has the picture's value at the middle of these
+/// pixels (a panorama has about as many pixels as the heads, so hardly any detail is missed), times the mean of their
+/// mask values. There is no dither.
 class HeadSampler {
  public:
   /// The result is smaller by `factor` each way, rounded down. Preconditions: the plan is for one eye's picture, and

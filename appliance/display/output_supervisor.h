@@ -36,16 +36,16 @@ struct OutputState {
 /// or when a card disappears), for as long as that takes. Runs on the present thread.
 ///
 ///              an error                  the pause is over
-///  showing ─────────────▶ lost, waiting ─────────────────▶ opening ──▶ showing: the former frame, heading and fade,
-///                             ▲                               │         or a frame that came meanwhile
+///   showing ─────────────▶ lost, waiting ─────────────────▶ opening ──▶ showing: the former frame, heading and fade,
+///                              ▲                               │         or a frame that came meanwhile
 ///                              └───── an error: pause doubled ─┘
 ///
 /// Pauses grow from 0.1 s to 5 s, and start over once an output has lasted for 30 s. Keeps Presenter's guarantees about
 /// allocation and locks while an output is open. Borrows the mailbox and the clock. Thread-bound.
 class OutputSupervisor {
  public:
-  /// Opens the output for the first time. Unlike later, a failure is reported at once. Errors: those of the output, or
-  /// of Presenter::make().
+  /// Opens the output for the first time; a failure is returned, not retried. Errors: those of the output, or of
+  /// Presenter::make().
   static Result<std::unique_ptr<OutputSupervisor>> open(PresentPlan plan, PresentMailbox* mailbox, const Clock* clock);
   OutputSupervisor(const OutputSupervisor&) = delete;
   OutputSupervisor& operator=(const OutputSupervisor&) = delete;

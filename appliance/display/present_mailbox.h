@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Everything that passes between the present thread and the others. The present thread's side neither blocks nor
-/// allocates nor frees: objects that it no longer uses go back to be freed by others.
+/// Everything that passes between the present thread and the other threads. The present thread's side neither blocks
+/// nor allocates nor frees: objects that it no longer uses are returned, and other threads free them.
 #pragma once
 
 #include <algorithm>

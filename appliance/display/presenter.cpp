@@ -7,7 +7,7 @@
 
 namespace cyclorama::display {
 namespace {
-// Turn of the visitor since the picture was requested from which the picture counts as wrong. The tour also requests
+// Turn of the visitor since the picture was requested, above which the picture counts as wrong. The tour also requests
 // views for smaller turns.
 constexpr double kSameHeading_rad = 1e-3;
 constexpr GLsizei kWarmUpSide_px = 4;
@@ -47,7 +47,7 @@ Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadP
   return presenter;
 }
 
-/// Makes the driver compile all shaders now: it compiles a shader at its first use, which would otherwise be before a
+/// Makes the driver compile all shaders now, since otherwise it compiles a shader at its first use, in front of a
 /// visitor. Only a few pixels are drawn: 36 whole pictures of a head take a second on a software renderer, and minutes
 /// on an emulated processor.
 Status Presenter::warm_up(bool may_change) {

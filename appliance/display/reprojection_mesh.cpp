@@ -18,8 +18,7 @@ constexpr float kJump = 0.08f;
 constexpr float kMaxStretch = 2.0f;
 /// Position of a point that no pixel of the other picture shows.
 constexpr double kNowhere_px = -1e6;
-/// One vertex in this many may belong to a quad across which depth jumps: memory is reserved for that many torn quads.
-/// Few pictures have more.
+/// Memory is reserved for one quad across which depth jumps per this many vertices; few pictures have more.
 constexpr std::size_t kPerJump = 8;
 constexpr auto kNearest = static_cast<float>(1.0 / kMinDepth_m);
 /// Minimum distance of a vertex, as a multiple of the eye's move, so that the eye passes through no surface.
@@ -114,7 +113,7 @@ void move_all(const ReprojectionGrid& grid, const std::vector<float>& inverse_m,
 
 /// Returns inverse distances, per metre, at the cells' centres. A cell holds its nearest sample, which on a surface
 /// seen at a slant lies at the cell's border. The slope of the surface is taken from the flatter of the two neighbours,
-/// so that it does not extend across an edge. Without this, floors would follow the eye too far.
+/// so that it does not extend across an edge. Without this correction, floors would move too far with the eye.
 Image<float, 1> at_centres(const InverseDepthImage& depth) {
   // Distance from a cell's centre to the middle of its outermost pixel, in cells.
   constexpr float kReach = 0.5f * (kDepthCellPx - 1) / kDepthCellPx;

@@ -12,8 +12,8 @@ enum class Texels {
   /// Linear light in half floats, 64 bits: precise to a 40th of an 8-bit code value with any head. The card filters it.
   kHalves,
   /// Square root of the light in 11, 11 and 10 bits: precise to an 11th of an 8-bit code value on an sRGB head, in blue
-  /// to a sixth. The shader filters it, in linear light. On a software renderer, it takes a third less time, since it
-  /// needs half the memory.
+  /// to a sixth. The shader converts it to linear light and filters. On a software renderer, this format takes a third
+  /// less time, since it needs half the memory.
   kPacked,
 };
 

@@ -32,7 +32,7 @@ struct ResponseCurve {
 /// Colour pipeline of a head; absent steps cost nothing. It works on linear light to which the blend mask has been
 /// applied, in this order: `matrix`; `black`; clipping to [0, 1]; `response`. A value; reentrant.
 struct HeadColour {
-  std::optional<Eigen::Matrix3d> matrix;  ///< From the primaries of the wall to those of the projector.
+  std::optional<Eigen::Matrix3d> matrix;  ///< Converts from the wall's primaries to the projector's.
   /// Light added in full where `black_lift` is 1: the black levels of the other projectors.
   Eigen::Vector3d black = Eigen::Vector3d::Zero();
   std::optional<BlackLiftImage> black_lift;              ///< If present, it has the head's size.

@@ -12,10 +12,10 @@ namespace cyclorama {
 
 /// One exchange of times with another computer: a request and its answer, with two times of each clock.
 struct ClockExchange {
-  TimePoint asked{};             ///< Sending of the request, on our clock.
+  TimePoint asked{};             ///< Sending of the request, on this computer's clock.
   std::int64_t received_ns = 0;  ///< Arrival of the request, on the other clock.
   std::int64_t answered_ns = 0;
-  TimePoint heard{};  ///< Arrival of the answer, on our clock.
+  TimePoint heard{};  ///< Arrival of the answer, on this computer's clock.
 };
 
 /// Relation of another clock to this computer's clock. A value that may cross threads.
@@ -30,10 +30,11 @@ struct ClockReading {
   }
 };
 
-/// Estimates the offset of another computer's CLOCK_MONOTONIC from ours, from the four times of each exchange, as NTP
-/// does (RFC 5905, section 8).
+/// Estimates the offset of another computer's CLOCK_MONOTONIC from this computer's, from the four times of each
+/// exchange, as NTP does (RFC 5905, section 8).
 ///
-/// 1. However long each direction of an exchange took, the offset is within half of its round trip from the middle.
+/// 1. However long each direction of an exchange took, the offset differs from the middle by at most half the
+///    round trip.
 /// 2. Clocks drift apart by at most 100 ppm: crystals are better, and chrony adjusts a running clock no faster. An
 ///    exchange therefore becomes less certain with its age, and the one that is now the most certain is used.
 /// 3. Two exchanges that contradict each other prove that a clock was stepped, or stood still while its computer was

@@ -14,7 +14,7 @@ namespace cyclorama {
 /// More would only make pictures older.
 inline constexpr std::size_t kFramesInFlight = 2;
 
-/// Requests for frames. At most kFramesInFlight are in flight; of all others only the newest waits.
+/// Requests for frames. At most kFramesInFlight are in flight; of the other requests, only the newest waits.
 ///
 ///   put() ──► waiting (one, newest wins) ──send()──► in flight ──finish() or skip_before()──► forgotten
 ///                 ▲                                      │
@@ -24,7 +24,7 @@ inline constexpr std::size_t kFramesInFlight = 2;
 template <typename Request>
 class FrameWindow {
  public:
-  /// Stores a request that waits, in place of the former one. Returns true if there was one.
+  /// Stores `request` as the waiting request. Returns true if it replaced another one.
   bool put(std::uint64_t number, Request request) {
     const bool dropped = waiting_.has_value();
     waiting_.emplace(number, std::move(request));

@@ -8,7 +8,7 @@
 ///
 /// After a mistake, reading continues with a harmless value, so that code needs no branches; finish() returns the
 /// error. Keys contain their unit (`radius_m`, `heading_deg`). A key with another unit is an unknown key, and its error
-/// names the right one.
+/// names the right key.
 #pragma once
 
 #include <filesystem>

@@ -62,8 +62,8 @@ double max_turn(double max, const auto& is_possible) {
   return possible;
 }
 
-/// Returns the tangent of an elevation that is `angle_rad` higher, at most that of the limit; unchanged if already
-/// beyond it.
+/// Returns the tangent of an elevation that is `angle_rad` higher, but at most the limit. A tangent beyond the limit
+/// stays.
 double raised(double tangent, double angle_rad) {
   const double elevation = std::atan(tangent);
   if (std::abs(elevation) >= kMaxElevation_rad) return tangent;
@@ -71,7 +71,7 @@ double raised(double tangent, double angle_rad) {
 }
 
 /// Returns the smallest c >= p such that all directions within `parallax` of (p, q, 1) lie on the near side of the
-/// plane x = c z. The sine of the angle between that direction and the plane is (c - p) / sqrt((1 + c²) (1 + p² + q²)).
+/// plane x = c z. The sine of the angle between the direction and the plane is (c - p) / sqrt((1 + c²) (1 + p² + q²)).
 double cleared(double p, double q, double parallax) {
   const double s = std::sin(parallax);
   const double k = s * s * (1.0 + p * p + q * q);

@@ -11,9 +11,9 @@
 namespace cyclorama {
 
 /// Decodes a JPEG in grey, YCbCr, RGB, CMYK or YCCK, with any chroma subsampling (also 4:1:0). Bytes between segments
-/// that belong to none are skipped, as by other programs. CMYK is converted without its profile, as for a screen.
-/// Errors: kBadData, which names the fault; a truncated or otherwise damaged picture is refused, never returned in
-/// part, and more than `limit_px` pixels are refused before allocation. Reentrant.
+/// are skipped, as by other programs. CMYK is converted without its profile, as for a screen. Errors: kBadData, which
+/// names the fault; a truncated or otherwise damaged picture is refused, never returned in part, and more than
+/// `limit_px` pixels are refused before allocation. Reentrant.
 Result<RgbaImage> decode_foreign_jpeg(std::span<const std::byte> jpeg, std::size_t limit_px);
 
 }  // namespace cyclorama

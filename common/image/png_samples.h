@@ -9,7 +9,7 @@
 
 namespace cyclorama {
 
-/// A picture of 8 or 16 bits, row by row. Borrows the samples.
+/// A picture with samples of 8 or 16 bits, row by row. Borrows the samples.
 struct PngSamples {
   int width_px = 0;
   int height_px = 0;

@@ -7,8 +7,8 @@
 ///           "2026-12-24 10:00-14:00", "2026-12-25 closed"]
 ///   time_zone = "Europe/Zurich"   # Absent: the time zone of this computer.
 ///
-/// Lines about the same days add up. A line about a date replaces all hours of that date's weekday. Hours whose end is
-/// before their beginning end on the next day. Without [hours] a museum is always open.
+/// Lines about the same days add up. On a date with its own lines, only these count, not those of its weekday. Hours
+/// whose end is before their beginning end on the next day. Without [hours] a museum is always open.
 #pragma once
 
 #include <absl/time/civil_time.h>

@@ -10,7 +10,6 @@ namespace cyclorama {
 
 /// Reports the state of the process to systemd. keep_alive() is to be called whenever the process has just proved that
 /// it works. Thread-bound to the main loop.
-/// Thread-bound to the main loop.
 class Notify {
  public:
   Notify();

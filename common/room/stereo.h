@@ -2,9 +2,9 @@
 /// Packing of the pictures of two eyes on a head.
 ///
 ///     side-by-side          top-bottom            frame-sequential
-///     side-by-side          top-bottom            frame-sequential
 ///     ┌──────┬──────┐       ┌─────────────┐       ┌─────────────┐  refreshes with an even number show the left eye's
 ///     │ left │ right│       │    left     │       │left / right │  picture, those with an odd number the right eye's
+///     │  eye │  eye │       ├─────────────┤       │             │
 ///     └──────┴──────┘       │    right    │       └─────────────┘
 ///                           └─────────────┘
 ///

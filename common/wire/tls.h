@@ -44,7 +44,7 @@ Result<Identity> check(const TlsFiles& files);
 /// address among its IP addresses.
 Result<std::shared_ptr<grpc::ChannelCredentials>> channel_credentials(const TlsFiles& files);
 /// Returns credentials for a server. They refuse every call of a peer without a certificate of the authority, then
-/// every call that `admit` refuses (null: no other). Errors: kInvalidArgument if the certificate is not a
+/// every call that `admit` refuses; if `admit` is null, no others. Errors: kInvalidArgument if the certificate is not a
 /// coordinator's.
 Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const TlsFiles& files, Admission admit);
 

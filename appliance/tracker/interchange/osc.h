@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Open Sound Control 1.0, the protocol of museums' other programs: packets of messages, big-endian, in units of four
-/// bytes. Source: opensoundcontrol.stanford.edu/spec-1_0.html; of the types that 1.0 leaves open, i f s b h d t T F N I
-/// are supported.
+/// bytes. Source: opensoundcontrol.stanford.edu/spec-1_0.html. The types i f s b h d t T F N I are supported.
 ///
 ///   "/cyclorama/pose\0" ",iihddd...\0" arguments          or   "#bundle\0" time size packet size packet ...
 #pragma once

@@ -27,8 +27,8 @@ enum class TrackerAxes {
   kRoom,    ///< X to the visitor's right, Y up, Z towards the visitor; origin at the wall, where a camera would be.
 };
 
-/// Returns the tag's pose in the Camera frame. Held straight, the tag has the camera's axes; in room axes that is no
-/// rotation. Empty if the tag was not found, or if the numbers are no pose.
+/// Returns the tag's pose in the Camera frame. A tag that is held straight has no rotation, whatever the axes of the
+/// report. Empty if the tag was not found, or if the numbers are no pose.
 [[nodiscard]] std::optional<RigidTransform<frame::Camera, frame::Tag>> pose_of(const PoseReport& report,
                                                                                TrackerAxes axes);
 

@@ -23,7 +23,7 @@ inline constexpr std::int64_t kMaxShowAt_ns = std::int64_t{1} << 62;
 struct ShowAt {
   std::int64_t refresh = 0;  ///< Number of the synchronised refresh.
   std::int64_t period_ns = 0;
-  std::int64_t told_ns = 0;  ///< Sending time on the tour's clock.
+  std::int64_t told_ns = 0;  ///< Time when the tour sent the schedule, on the tour's clock.
 };
 
 /// A whole picture, ready to be shown: every tile has come, and those that the heads show are decoded. A value; its

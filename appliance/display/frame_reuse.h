@@ -35,7 +35,7 @@ class FrameReuse {
   /// is_useful_for(frame), and `panorama` kept the remembered frame's light before it uploaded `frame`. Errors: kSystem
   /// if the graphics card refuses the buffers.
   Status add_earlier(const DisplayFrame& frame, PanoramaTexture* panorama);
-  /// Remembers what the next frame needs of `frame`.
+  /// Keeps the parts of `frame` that the next frame reuses.
   Status remember(const DisplayFrame& frame);
   /// Forgets earlier frames, so that the next frame is shown unchanged.
   void forget() { before_.reset(); }

@@ -19,8 +19,8 @@ namespace cyclorama::display {
 ///                       n      n+1     n+2
 ///
 /// 1. Numbers follow the output's own count, so that neither a late wake-up nor a missed refresh nor a clock's jitter
-///    shifts them. Only if an output has drifted past the middle between two numbers, by another tenth of the period,
-///    does it repeat or skip a number.
+///    shifts them. An output repeats or skips a number only after it has drifted a tenth of the period past the middle
+///    between two numbers.
 /// 2. Displays that show what is due at a number therefore differ by their phases alone: less than 1.2 refreshes.
 ///
 /// Thread-bound to the present thread; allocates nothing.

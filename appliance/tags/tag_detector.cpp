@@ -43,8 +43,8 @@ constexpr std::array kFamilies{Family{"tag36h11", tag36h11_create, tag36h11_dest
 /// Upper bound of libapriltag's table of a family's codes, including those with wrong bits.
 constexpr std::size_t kMaxTableBytes = std::size_t{64} << 20;
 
-/// Returns the size of that table: three slots of 16 bytes for each code and each set of up to `max_hamming` wrong
-/// bits.
+/// Returns the size of libapriltag's table: three slots of 16 bytes for each code and each set of up to `max_hamming`
+/// wrong bits.
 std::size_t table_bytes(const apriltag_family_t& tags, int max_hamming) {
   const std::size_t bits = tags.nbits;
   std::size_t ways = 1;

@@ -15,7 +15,7 @@ namespace cyclorama::tracker {
 /// The patterns that visitors may hold: the standard wands, wands that were measured, or flat tags of one size.
 struct PatternSettings {
   std::vector<Wand> wands;                ///< Measured wands, from wand.toml files; they replace the standard wands.
-  std::optional<double> flat_tag_size_m;  ///< Every tag is a pattern by itself, of this size; replaces all wands.
+  std::optional<double> flat_tag_size_m;  ///< If set, tags are flat patterns of this size, and there are no wands.
   /// Number of the only standard wand, or id of the only flat tag; absent: any.
   std::optional<int> only;
 

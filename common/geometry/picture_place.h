@@ -55,9 +55,9 @@ struct PixelScale {
 
 /// Returns the direction of a position in the Eye frame, of the same length as that of direction_at().
 [[nodiscard]] Eigen::Vector3d direction_of(const PictureShape& shape, const PicturePlace& place);
-/// Inverse of direction_of(), also for positive multiples, in an unbounded picture: a fisheye does not end at its
-/// field. Empty straight up or down in a panorama, at a right angle to a perspective's axis or behind it, and exactly
-/// opposite to a fisheye's axis.
+/// Returns the position of a direction of any length in an unbounded picture; a fisheye's field does not limit it.
+/// Empty straight up or down in a panorama, at a right angle to a perspective's axis or behind it, and exactly opposite
+/// to a fisheye's axis.
 [[nodiscard]] std::optional<PicturePlace> place_of(const PictureShape& shape, const Eigen::Vector3d& direction);
 
 /// Returns the position, in the picture before the turn, that a visitor who has turned right by `turn_rad` sees at

@@ -35,8 +35,8 @@ class StrictJson {
   int integer(const char* key, int min, int max) { return static_cast<int>(at(key).as_number(min, max, true)); }
   bool flag(const char* key);
   std::string text(const char* key, std::size_t longest = 4000) { return at(key).as_text(longest); }
-  /// Returns the elements of a list of `min` to `max` elements; empty if the value is anything else, which is a
-  /// mistake.
+  /// Returns the elements of a list of `min` to `max` elements. If the value is anything else, records a mistake and
+  /// returns an empty list.
   std::vector<StrictJson> list(const char* key, std::size_t min, std::size_t max) { return at(key).elements(min, max); }
   [[nodiscard]] std::vector<StrictJson> elements(std::size_t min, std::size_t max) const;
   std::vector<double> numbers(const char* key, std::size_t min, std::size_t max);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Datagrams over UDP, by IPv6 or IPv4. No call blocks; a datagram to an absent receiver is lost.
+/// UDP datagrams over IPv6 or IPv4. No call blocks; a datagram to an absent receiver is lost.
 #pragma once
 
 #include <cstddef>

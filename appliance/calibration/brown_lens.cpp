@@ -16,8 +16,8 @@ double value_of(const std::vector<double>& polynomial, double at) {
   return sum;
 }
 
-/// Returns all points in (0, limit) where the polynomial (lowest power first) changes sign, in ascending order: between
-/// two extrema, which are the roots of its derivative, there is at most one.
+/// Returns all points in (0, limit) where the polynomial (lowest power first) changes sign, in ascending order. Between
+/// two extrema, which are roots of its derivative, there is at most one.
 std::vector<double> sign_changes(const std::vector<double>& polynomial, double limit) {
   if (polynomial.size() < 2) return {};
   std::vector<double> derivative;
@@ -42,8 +42,9 @@ std::vector<double> sign_changes(const std::vector<double>& polynomial, double l
   return found;
 }
 
-/// At slope r the Jacobian's eigenvalues are the magnifications across, R, and along the ray, d(rR)/dr, and decentring
-/// reduces either by at most 6 |p| r: it adds 2 (p·x I + p xᵀ + x pᵀ), with p = (p2, p1).
+/// Returns the slope at which the magnification reaches its minimum. At slope r the Jacobian's eigenvalues are the
+/// magnifications across the ray, R, and along it, d(rR)/dr. Decentring reduces either by at most 6 |p| r: it adds 2
+/// (p·x I + p xᵀ + x pᵀ), with p = (p2, p1).
 double slope_of_min_magnification(const BrownParameters& lens) {
   const double decentring = -6.0 * std::hypot(lens.p1, lens.p2);
   const double one = 1.0 - BrownLens::kMinMagnification;
@@ -60,7 +61,7 @@ double slope_of_min_magnification(const BrownParameters& lens) {
 
 Result<BrownLens> BrownLens::from(const BrownParameters& parameters) {
   for (const double value : to_block(parameters)) {
-    // Beyond this, powers of the largest slope would overflow.
+    // Above this, powers of the largest slope would overflow.
     if (!(std::abs(value) < 1e100)) {
       return Error(ErrorCode::kInvalidArgument, "a lens whose numbers are not finite: calibrate the camera again");
     }
@@ -135,7 +136,7 @@ SlopeAnswer BrownLens::slope_at(const Eigen::Vector2d& pixel) const {
       const Eigen::Vector2d next = slope + share * step;
       if (!(next.norm() <= trusted_slope_)) continue;
       const Eigen::Vector2d next_error = distorted(next) - wanted;
-      // Near the minimum rounding hides the potential's decrease, so the error decides there.
+      // Near the minimum, rounding hides the potential's decrease, so the error decides.
       if (next_error.norm() <= 0.5 * error.norm() ||
           potential(next) - wanted.dot(next) <= height + 1e-4 * share * step.dot(error)) {
         slope = next;

@@ -13,11 +13,11 @@ namespace cyclorama::calibration {
 enum class LensRefusal {
   kNone,
   kNotFinite,   ///< The pixel is NaN or infinite.
-  kBeyondFold,  ///< No direction on this side of the fold is imaged there.
+  kBeyondFold,  ///< The pixel is beyond the image of the fold.
 };
 
 struct SlopeAnswer {
-  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< (x/z, y/z); zero when refused.
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< (x/z, y/z); zero if there is no direction.
   LensRefusal refusal = LensRefusal::kNone;
   explicit operator bool() const { return refusal == LensRefusal::kNone; }
 };
@@ -25,7 +25,8 @@ struct SlopeAnswer {
 /// A camera's or projector's lens with distortion, and its exact inverse.
 ///
 /// A polynomial distortion folds somewhere: beyond the fold two directions meet in one pixel, and the usual inverse
-/// with a fixed number of iterations returns an arbitrary value. This one is accurate to 1e-9 px, or refuses:
+/// with a fixed number of iterations returns an arbitrary value. This inverse is accurate to 1e-9 px, or reports that
+/// there is none:
 ///
 ///      distance from the axis in the picture
 ///         │        ╭──╮            the distortion is the gradient of a potential, so where its Jacobian is positive
@@ -35,27 +36,28 @@ struct SlopeAnswer {
 ///         └──────────┴────────▶ slope
 ///            trusted   not
 ///
-/// The disc is the largest about the axis in which no direction's magnification falls below kMinMagnification of the
-/// centre's; with decentring (p1, p2) some slopes just outside it would be valid too, but are refused.
+/// The disc is the largest one about the axis in which no direction's magnification falls below kMinMagnification of
+/// the centre's. With decentring (p1, p2), some slopes just outside the disc would also be valid, but are refused.
 /// A value; reentrant.
 class BrownLens {
  public:
   static constexpr double kMinMagnification = 1e-3;
-  static constexpr double kMaxSlope = 57.0;  ///< 89° from the axis.
+  static constexpr double kMaxSlope = 57.0;  ///< Slope at 89° from the axis.
   static constexpr double kRoundTripPx = 1e-9;
 
-  /// Errors: kInvalidArgument for a size or a focal length that is not positive, or a number that is not finite.
+  /// Makes a lens. Errors: kInvalidArgument for a size or a focal length that is not positive, or a number that is not
+  /// finite.
   static Result<BrownLens> from(const BrownParameters& parameters);
 
   [[nodiscard]] const BrownParameters& parameters() const { return parameters_; }
   /// Returns the slope up to which the lens is trusted, at most kMaxSlope.
   [[nodiscard]] double trusted_slope() const { return trusted_slope_; }
 
-  /// The pixel may be outside the picture. Returns nothing if the point is behind the lens, beyond the trusted slope,
-  /// or not finite.
+  /// Returns the pixel of a point, which may be outside the picture; empty if the point is behind the lens, beyond the
+  /// trusted slope, or not finite.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& point) const;
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of_slope(const Eigen::Vector2d& slope) const;
-  /// The inverse of pixel_of_slope(), accurate to kRoundTripPx.
+  /// Inverse of pixel_of_slope(), accurate to kRoundTripPx.
   [[nodiscard]] SlopeAnswer slope_at(const Eigen::Vector2d& pixel) const;
   /// Returns the derivative of the pixel by the slope: d(u, v) / d(x, y).
   [[nodiscard]] Eigen::Matrix2d jacobian(const Eigen::Vector2d& slope) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Brown's lens model: the distortion of a slope (x/z, y/z), as a formula that solvers differentiate as well.
+/// Brown's lens model: the distortion of a slope (x/z, y/z), as a formula that solvers can also differentiate.
 ///
 ///   r² = x² + y²        R = 1 + k1 r² + k2 r⁴ + k3 r⁶
 ///   x' = x R + 2 p1 x y + p2 (r² + 2 x²)
@@ -14,7 +14,7 @@
 
 namespace cyclorama::calibration {
 
-/// Focal lengths and principal point in pixels; dimensionless coefficients.
+/// Parameters of a lens: focal lengths and principal point in pixels, and dimensionless coefficients.
 struct BrownParameters {
   int width_px = 0;
   int height_px = 0;
@@ -43,7 +43,8 @@ using BrownBlock = std::array<double, kBrownValues>;
           block[kK1], block[kK2], block[kP1],     block[kP2],     block[kK3]};
 }
 
-/// `block` as above; (x, y) is a slope, (u, v) its pixel. T is double or an automatic differentiation type.
+/// Computes the pixel (u, v) of the slope (x, y). `block`: see BrownBlock. T is double or an automatic differentiation
+/// type.
 template <typename T>
 void brown_pixel(const T* block, const T& x, const T& y, T* u, T* v) {
   const T xx = x * x;

@@ -77,7 +77,7 @@ bool is_date(const std::string& date) {
   return !date.empty() && date.size() <= 40 && date.find_first_not_of("0123456789TZ-") == std::string::npos;
 }
 
-/// Removes unfinished calibrations. Failures are ignored, since the remains are harmless.
+/// Removes unfinished calibrations. Failures are ignored, since remains are harmless.
 void remove_unfinished(const fs::path& calibrations) {
   std::error_code error;
   std::vector<fs::path> unfinished;
@@ -130,7 +130,7 @@ Status save_calibration(const fs::path& folder, const Calibration& calibration,
   const auto kept = kept_calibrations(folder);
   for (std::size_t i = kKept; i < kept.size(); ++i) {
     if (kept[i] != calibration.date)
-      fs::remove_all(folder / kFolder / kept[i], error);  // Old calibrations that cannot be removed are harmless.
+      fs::remove_all(folder / kFolder / kept[i], error);  // It is harmless if old calibrations cannot be removed.
   }
   return Done{};
 }

@@ -297,7 +297,7 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
     projector.map.height_px = p.integer("height_px", 16, kMaxPx);
     projector.map.cells_x = p.integer("cells_x", 1, kMaxCells);
     projector.map.cells_y = p.integer("cells_y", 1, kMaxCells);
-    // The file may not choose the paths of its maps, so that an untrusted file cannot make the program open others.
+    // The file cannot choose the paths of its maps, so that an untrusted file cannot make the program open other files.
     const std::string file = fmt::format("calibrations/{}/{}", calibration.date, ++number);
     if (p.text("map", 200) != file + ".map.pfm") p.at("map").refuse("is not '" + file + ".map.pfm'; calibrate again");
     if (p.text("sigma", 200) != file + ".sigma.pfm")

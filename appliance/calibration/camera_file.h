@@ -14,7 +14,7 @@
 namespace cyclorama::calibration {
 
 struct CameraFile {
-  std::string camera;  ///< Camera::id(), or the folder of the pictures.
+  std::string camera;  ///< Id of the camera (Camera::id()), or the folder of the pictures.
   std::string date;
   MeasuredLens lens;
   LensModel model = LensModel::kPinhole;
@@ -27,7 +27,7 @@ struct CameraFile {
 /// Errors: kBadData, with the position of the error, for an unknown key, a number out of range, or a lens whose
 /// distortion folds within its picture.
 Result<CameraFile> parse_camera(std::string_view text, const std::string& name);
-/// Errors: those of read_file() and parse_camera().
+/// Reads a camera.json. Errors: those of read_file() and parse_camera().
 Result<CameraFile> read_camera(const std::filesystem::path& path);
 
 /// Adapts a lens to pictures of another size from the same camera that show the same field of view. Errors:

@@ -28,7 +28,7 @@ constexpr std::size_t kMaxPx = std::size_t{64} << 20;
 constexpr std::size_t kMaxCodes = 65536;
 constexpr std::array<const char*, 3> kChannels{"red", "green", "blue"};
 
-// Numbered from 1 like the maps, since a projector's name may be invalid as a file name.
+// Pictures are numbered from 1 like the maps, since a projector's name may be invalid as a file name.
 std::string mask_file(std::size_t index) { return fmt::format("{}.mask.png", index + 1); }
 std::string black_lift_file(std::size_t index) { return fmt::format("{}.black_lift.png", index + 1); }
 
@@ -124,7 +124,7 @@ Result<std::vector<CalibratedColour>> parse_colours(std::string_view text, const
     CalibratedColour one;
     one.name = p.text("name", 60);
     if (!names.insert(one.name).second) p.at("name").refuse("is another projector's name; give each its own");
-    // The file may not choose the paths of its pictures.
+    // The file cannot choose the paths of its pictures.
     const std::size_t index = colours.size();
     if (p.text("mask", 80) != mask_file(index)) p.at("mask").refuse("is not 'N.mask.png'; calibrate again");
     if (p.has("black_lift") && p.text("black_lift", 80) != black_lift_file(index))

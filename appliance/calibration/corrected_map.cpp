@@ -7,7 +7,7 @@
 namespace cyclorama::calibration {
 namespace {
 
-/// Returns the point of the wall that a slope hits from a pose.
+/// Returns the point where the ray with that slope from that pose meets the extended wall.
 std::optional<Eigen::Vector3d> landing(const Eigen::Vector2d& slope,
                                        const RigidTransform<frame::Room, frame::Projector>& pose, const Wall& wall) {
   const auto point = hit_extended(wall, {{pose.translation()}, pose.rotation() * slope.homogeneous()});
@@ -46,7 +46,7 @@ MeasuredMap corrected_map(const MeasuredMap& map, const ShowFile::Projector& pro
                           const Point<frame::Room>& sweet_spot) {
   if (is_same(projector)) return map;
   MeasuredMap made = map;
-  // The lens's size counts: the map may be of one eye's pixels, which are stretched over the head's whole picture.
+  // Uses the lens's size, since the map may have the size of one eye's pixels, which are stretched over the whole head.
   const double per_u = static_cast<double>(projector.lens.width_px) / map.cells_x;
   const double per_v = static_cast<double>(projector.lens.height_px) / map.cells_y;
   for (int y = 0; y <= map.cells_y; ++y) {

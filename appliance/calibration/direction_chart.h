@@ -18,7 +18,7 @@ class DirectionChart {
     up_ = right_.cross(middle_);
   }
 
-  /// Creates a chart about the mean of all `samples` (each with a `direction`); nothing if some are more than 170
+  /// Creates a chart about the mean of all `samples` (each has a `direction`); empty if a sample is more than 170
   /// degrees from it.
   template <typename Samples>
   static std::optional<DirectionChart> around(const Samples& samples) {
@@ -33,7 +33,7 @@ class DirectionChart {
     return chart;
   }
 
-  /// Returns nothing opposite the middle. Precondition: unit length.
+  /// Returns the position of a direction; empty opposite the middle. Precondition: `direction` has unit length.
   [[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Eigen::Vector3d& direction) const {
     const Eigen::Vector2d side(direction.dot(right_), direction.dot(up_));
     const double sine = side.norm();
@@ -42,7 +42,7 @@ class DirectionChart {
     if (sine < 1e-12) return side;
     return side * (std::atan2(sine, cosine) / sine);
   }
-  /// Returns a unit vector; nothing more than half a turn from the middle.
+  /// Returns the unit vector of a position; empty more than half a turn from the middle.
   [[nodiscard]] std::optional<Eigen::Vector3d> direction_of(const Eigen::Vector2d& position) const {
     const double angle = position.norm();
     if (!(angle < 3.14159265)) return std::nullopt;

@@ -23,17 +23,17 @@ enum class LensModel {
 inline constexpr std::array kLensModels = {LensModel::kPinhole,   LensModel::kRadial1, LensModel::kRadial2,
                                            LensModel::kDecentred, LensModel::kFull,    LensModel::kFullOblong};
 
-/// Minimum relative improvement on left-out views of a board with which a richer model replaces a smaller one.
+/// Minimum relative improvement on left-out views of a board for which a richer model replaces a smaller one.
 inline constexpr double kMinModelGain = 0.04;
 
 [[nodiscard]] std::string_view name_of(LensModel model);
-/// Returns nothing for any other text.
+/// Returns the model of that name; empty for any other text.
 [[nodiscard]] std::optional<LensModel> lens_model(std::string_view name);
 /// Returns the number of free parameters.
 [[nodiscard]] int freedom_of(LensModel model);
-/// Returns true if both focal lengths are one parameter.
+/// True if both focal lengths are one parameter.
 [[nodiscard]] bool has_square_pixels(LensModel model);
-/// Returns the indices of the coefficients of a block that the model holds at 0.
+/// Returns the indices into a BrownBlock of the coefficients that the model fixes at 0.
 [[nodiscard]] std::vector<int> fixed_values(LensModel model);
 
 }  // namespace cyclorama::calibration

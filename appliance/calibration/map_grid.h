@@ -14,7 +14,7 @@ struct GridWeights {
   std::array<double, 3> factors{};
 };
 
-/// Control points over a projector's picture and the triangles between them, as in WarpMesh. A value.
+/// Control points over a projector's picture, and the same triangles between them as in a WarpMesh. A value.
 struct MapGrid {
   int width_px = 0;
   int height_px = 0;
@@ -26,7 +26,7 @@ struct MapGrid {
   [[nodiscard]] double cell_width() const { return static_cast<double>(width_px) / cells_x; }
   [[nodiscard]] double cell_height() const { return static_cast<double>(height_px) / cells_y; }
 
-  /// Returns nothing outside the picture.
+  /// Returns the control points around a pixel and their weights; empty outside the picture.
   [[nodiscard]] std::optional<GridWeights> weights_at(const Eigen::Vector2d& pixel) const {
     if (cells_x < 1 || cells_y < 1) return std::nullopt;
     const double u = pixel.x() / cell_width();

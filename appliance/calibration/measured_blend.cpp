@@ -10,10 +10,11 @@
 namespace cyclorama::calibration {
 namespace {
 
-constexpr int kTableAcross = 2048;  // Columns of a table over the picture; weights are smooth over a hundred of them.
-using Table = Image<float, 1>;      // For each position of the picture, inwardness() of the projector's pixel there.
+// Columns of a table that covers the picture; weights hardly vary within a hundred of them.
+constexpr int kTableAcross = 2048;
+using Table = Image<float, 1>;  // Values of inwardness() for the projector's pixel at each position of the picture.
 
-/// Like blend_mask.cpp: 1 in the middle of the picture, 0 at its edges.
+/// Same as inwardness() in blend_mask.cpp: 1 in the middle of the picture, 0 at its edges.
 double inwardness(const MeasuredMap& map, const Eigen::Vector2d& pixel) {
   const double w = map.width_px;
   const double h = map.height_px;
@@ -21,7 +22,7 @@ double inwardness(const MeasuredMap& map, const Eigen::Vector2d& pixel) {
   return inward * inward;
 }
 
-/// Positions in a picture; in a panorama of a whole turn columns repeat.
+/// Converts directions to positions in a picture. In a panorama of a whole turn, columns repeat.
 struct PicturePositions {
   PictureShape shape;
   PixelScale scale;
@@ -41,7 +42,7 @@ struct PicturePositions {
     const PanoramaPixel pixel = scale.pixel_at(*position);
     return Eigen::Vector2d(pixel.u, pixel.v);
   }
-  /// Returns the same position in the period nearest to another column.
+  /// Returns the column nearest to `other` that has the same position as `u`.
   [[nodiscard]] double near(double u, double other) const {
     return turn_px > 0.0 ? u - turn_px * std::round((u - other) / turn_px) : u;
   }
@@ -105,7 +106,7 @@ Table table_of(const MeasuredMap& map, const PicturePositions& positions) {
   return table;
 }
 
-/// Interpolates bilinearly; returns 0 outside.
+/// Interpolates bilinearly; 0 outside the picture.
 double value_at(const Table& table, const PicturePositions& positions, const Eigen::Vector2d& at) {
   const double u = at.x() - 0.5;
   const double v = at.y() - 0.5;

@@ -22,7 +22,7 @@ struct MeasuredLens {
 
   int width_px = 0;
   int height_px = 0;
-  std::array<double, kParameters> values{};    ///< Indexed by Parameter; the first three in pixels.
+  std::array<double, kParameters> values{};    ///< Indexed by Parameter. The first three are in pixels.
   Covariance covariance = Covariance::Zero();  ///< A parameter with variance 0 is exact.
 
   /// Returns an undistorted, centred lens with the uncertainties of a data sheet: a twentieth of the focal length, and
@@ -32,23 +32,25 @@ struct MeasuredLens {
   /// Returns the lens without its covariance. Errors: those of BrownLens::from().
   [[nodiscard]] Result<BrownLens> brown() const;
 
-  /// Returns nothing if the point is not in front of the lens or is beyond the fold of the distortion. Each call, like
-  /// one of direction_at(), searches for the fold again; for many pixels keep a brown().
+  /// Returns the pixel of a point; empty if the point is not in front of the lens or is beyond the fold of the
+  /// distortion. Each call of this function or of direction_at() searches for the fold again; for many pixels, keep a
+  /// brown().
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& point) const;
-  /// Returns a direction with z = 1, not normalised; nothing if no direction within the distortion's fold leads there.
+  /// Returns a direction with z = 1, not normalised; empty if no direction within the fold of the distortion leads to
+  /// `pixel`.
   [[nodiscard]] std::optional<Eigen::Vector3d> direction_at(const Eigen::Vector2d& pixel) const;
   [[nodiscard]] bool contains(const Eigen::Vector2d& pixel) const {
     return pixel.x() >= 0.0 && pixel.x() <= width_px && pixel.y() >= 0.0 && pixel.y() <= height_px;
   }
 };
 
-/// Returns the indices of MeasuredLens::values that a model holds at 0.
+/// Returns the indices of MeasuredLens::values that a model fixes at 0.
 [[nodiscard]] std::vector<int> held_parameters(LensModel model);
 
-/// Like MeasuredLens::direction_at().
+/// Returns the direction of a pixel. See MeasuredLens::direction_at().
 [[nodiscard]] std::optional<Eigen::Vector3d> direction_through(const BrownLens& lens, const Eigen::Vector2d& pixel);
 
-/// Projection through a lens, also for automatic differentiation. Precondition: point[2] > 0.
+/// Projects a point through a lens, also for automatic differentiation. Precondition: point[2] > 0.
 template <typename T>
 void project_through_lens(const T* lens, const T* point, T* ret_pixel) {
   using L = MeasuredLens;

@@ -64,7 +64,7 @@ Result<warp::Warp> warp_of(const MeasuredMap& map, const PictureShape& picture) 
     }
   }
   if (!is_any) return Error(ErrorCode::kBadData, "nothing of the map lies in the picture; choose another picture");
-  // Converts to picture pixels at the map's middle; the left-out cells give the best estimate of the map's error.
+  // Converts the map's error, for which left-out cells give the best estimate, to picture pixels at the map's middle.
   double radians_per_px = 0.0;
   for (int x = 0, y = map.cells_y / 2; x < map.cells_x; ++x) {
     const Eigen::Vector3d& a = map.directions[static_cast<std::size_t>(grid.node(x, y))];

@@ -13,11 +13,11 @@
 
 namespace cyclorama::calibration {
 
-/// Rotation in radians, then translation in metres.
+/// A small change of a pose: rotation in radians, then translation in metres.
 using PoseStep = Eigen::Matrix<double, 6, 1>;
 using PoseMatrix = Eigen::Matrix<double, 6, 6>;
 
-/// Maximum displacement that counts as a bump; beyond it, a new calibration is needed.
+/// Maximum displacement that counts as a bump. After a larger one, a new calibration is needed.
 inline constexpr double kMaxTurn_rad = 0.12;
 inline constexpr double kMaxShift_m = 0.15;
 
@@ -32,7 +32,7 @@ template <typename To, typename Body>
   return T * RigidTransform<Body, Body>(turned_by(step.head<3>()), step.tail<3>());
 }
 
-/// Returns the step for which stepped(from, step) is `to`.
+/// Returns the step with which stepped(from, step) equals `to`.
 template <typename To, typename Body>
 [[nodiscard]] PoseStep step_between(const RigidTransform<To, Body>& from, const RigidTransform<To, Body>& to) {
   const RigidTransform<Body, Body> change = from.inverse() * to;
@@ -43,7 +43,8 @@ template <typename To, typename Body>
   return step;
 }
 
-/// Interpolates between two poses, with `part` in [0, 1], so that a display can change over without a jump.
+/// Interpolates between two poses, with `part` in [0, 1], so that a display can move from one to the other without a
+/// jump.
 template <typename To, typename Body>
 [[nodiscard]] RigidTransform<To, Body> between(const RigidTransform<To, Body>& from, const RigidTransform<To, Body>& to,
                                                double part) {

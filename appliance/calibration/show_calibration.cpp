@@ -24,7 +24,8 @@ Eigen::Matrix2d jacobian(const BrownBlock& k, const Eigen::Vector2d& s) {
   const double y = s.y();
   const double rr = s.squaredNorm();
   const double radial = 1.0 + rr * (k[kK1] + rr * (k[kK2] + rr * k[kK3]));
-  const double growth = 2.0 * (k[kK1] + rr * (2.0 * k[kK2] + 3.0 * rr * k[kK3]));  // Twice d radial / d rr.
+  // Twice the derivative of radial by rr.
+  const double growth = 2.0 * (k[kK1] + rr * (2.0 * k[kK2] + 3.0 * rr * k[kK3]));
   const double cross = x * y * growth + 2.0 * k[kP1] * x + 2.0 * k[kP2] * y;
   Eigen::Matrix2d j;
   j << k[kFocalU] * (radial + x * x * growth + 2.0 * k[kP1] * y + 6.0 * k[kP2] * x), k[kFocalU] * cross,

@@ -13,7 +13,7 @@
 
 namespace cyclorama::calibration {
 
-/// Light of a channel for each 8-bit code, in [0, 1].
+/// Light of a channel, in [0, 1], for each 8-bit code.
 using CodeLight = std::array<float, 256>;
 [[nodiscard]] CodeLight gamma_light(double gamma);
 /// Rounds to steps of 1/65535, the resolution of the files.
@@ -24,8 +24,9 @@ struct ShowProjector {
   BrownParameters lens;
   RigidTransform<frame::Room, frame::Projector> T_room_projector;
   std::array<CodeLight, 3> light{};             ///< Measured response; gamma_light(2.2) is an adequate substitute.
-  std::array<float, 3> grey{.21f, .72f, .07f};  ///< Grey response of a camera to each channel.
-  /// Reason why the pose is unknown; the light is then unattributed. Empty: the pose is known.
+  std::array<float, 3> grey{.21f, .72f, .07f};  ///< Response of a grey camera to each channel.
+  /// Reason why the pose is unknown; the position of the projector's light is then too uncertain to use. Empty: it is
+  /// known.
   std::string unplaced{};
 };
 
@@ -33,11 +34,11 @@ struct ShowCamera {
   std::string name;
   BrownParameters lens;
   RigidTransform<frame::Room, frame::Camera> T_room_camera;
-  CodeLight light{};  ///< Incident light for each of its codes.
+  CodeLight light{};  ///< Incident light for each code of the camera.
 };
 
 /// Poses of all projectors and fixed cameras: the result of the last calibration, kept up to date by the continuous
-/// one. A value.
+/// calibration. A value.
 struct ShowCalibration {
   Wall wall;
   Point<frame::Room> sweet_spot;
@@ -48,10 +49,10 @@ struct ShowCalibration {
   [[nodiscard]] Status validate() const;
 };
 
-/// Returns the slope (x/z, y/z) that a lens images at a pixel, by Newton's method; nothing if it does not converge to
-/// within 1e-9 pixels, as beyond the fold of the distortion.
+/// Returns the slope (x/z, y/z) that a lens images at a pixel, by Newton's method; empty if it does not converge to
+/// within 1e-9 pixels, for example beyond the fold of the distortion.
 [[nodiscard]] std::optional<Eigen::Vector2d> slope_at(const BrownParameters& lens, const Eigen::Vector2d& pixel);
-/// The pixel may be outside the picture; nothing behind the lens.
+/// Returns the pixel of a point, which may be outside the picture; empty if the point is behind the lens.
 [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const BrownParameters& lens, const Eigen::Vector3d& point);
 [[nodiscard]] bool contains(const BrownParameters& lens, const Eigen::Vector2d& pixel);
 

@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 constexpr int kVersion = 2;
 constexpr int kMaxPx = 16384;
 constexpr double kMaxDistanceM = 1e3;
-// Minimum determinant; for six standard deviations of a micrometre or microradian it would be 1e-36.
+// Minimum determinant; six standard deviations of a micrometre or microradian would give 1e-36.
 constexpr double kFlattest = 1e-60;
 constexpr std::size_t kMaxDevices = 64;
 constexpr float kLightSteps = 65535.0f;

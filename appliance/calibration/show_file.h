@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The poses of the continuous calibration, which it keeps beside calibration.json during the show:
+/// The poses of the continuous calibration, which keeps them beside calibration.json during the show:
 ///
-///     FOLDER/watch.json        for the calibrator itself: fixed cameras, and all it needs to resume after a restart
-///     FOLDER/correction.json   for displays, which correct their maps by it (corrected_map.h): no cameras
+///     FOLDER/watch.json        for the calibrator itself: fixed cameras, and all data to resume from after a restart
+///     FOLDER/correction.json   for displays, which correct their maps with it (corrected_map.h): no cameras
 ///
-/// Both are replaced atomically by a rename and belong to the calibration of one date; with another calibration they
-/// are ignored. `scanned` is the projector's pose at the time of the scan, according to its map, the wall and its lens;
-/// only the motion from there to `applied` matters.
+/// Both are replaced atomically by renaming. They belong to the calibration of one date and are ignored with any other.
+/// `scanned` is the projector's pose at the time of the scan, according to its map, the wall and its lens; only the
+/// motion from `scanned` to `applied` matters.
 #pragma once
 
 #include <array>
@@ -30,22 +30,22 @@ struct ShowFile {
     RigidTransform<frame::Room, frame::Projector> applied;
     /// Present once the continuous calibration has estimated the scan's residual error.
     struct Learned {
-      RigidTransform<frame::Room, frame::Projector> believed;  ///< Estimated pose.
-      /// Estimate that would result if `applied` were exact.
+      RigidTransform<frame::Room, frame::Projector> believed;  ///< The pose as estimated.
+      /// Pose that would be estimated if `applied` were exact.
       RigidTransform<frame::Room, frame::Projector> at_rest;
-      /// Square root of the covariance, as PoseFilter::root().
+      /// Square root of the covariance; see PoseFilter::root().
       PoseMatrix root;
     };
     std::optional<Learned> learned{};
-    std::string unplaced{};  ///< See ShowProjector::unplaced; `scanned` is then the installed pose.
-    /// Per channel, rounded as by rounded_light(); absent if not measured.
+    std::string unplaced{};  ///< See ShowProjector::unplaced. If it is not empty, `scanned` is the installed pose.
+    /// Light per channel, rounded by rounded_light(); absent if not measured.
     std::optional<std::array<CodeLight, 3>> light{};
   };
   struct Camera {
     std::string name;
     BrownParameters lens;
     RigidTransform<frame::Room, frame::Camera> T_room_camera;
-    std::optional<PoseMatrix> root{};  ///< Square root of the pose's covariance, once estimated.
+    std::optional<PoseMatrix> root{};  ///< Square root of the pose's covariance; absent until it is estimated.
   };
   std::string calibration;  ///< Date of the calibration.
   std::vector<Projector> projectors;
@@ -56,12 +56,12 @@ inline constexpr const char* kWatchFile = "watch.json";
 inline constexpr const char* kCorrectionFile = "correction.json";
 
 [[nodiscard]] std::string show_json(const ShowFile& show);
-/// Inverse of show_json(). `name` stands for the file in errors. Errors: kBadData, as in "watch.json:
+/// Inverse of show_json(). `name` stands for the file in errors. Errors: kBadData, such as "watch.json:
 /// /projectors/0/lens: ...; remedy".
 Result<ShowFile> parse_show(std::string_view text, const std::string& name);
-/// Errors: those of read_text_file() and parse_show().
+/// Reads watch.json or correction.json. Errors: those of read_text_file() and parse_show().
 Result<ShowFile> read_show(const std::filesystem::path& path);
-/// Errors: those of write_file_atomically().
+/// Writes watch.json or correction.json. Errors: those of write_file_atomically().
 Status write_show(const std::filesystem::path& path, const ShowFile& show);
 
 }  // namespace cyclorama::calibration

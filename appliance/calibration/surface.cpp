@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kNames[] = {"plane", "cylinder", "profile", "quadric", "mesh"};
 
-/// The four nonzero coefficients at `x`, and their derivatives by x. Beyond the ends the last span is extrapolated.
+/// The four nonzero weights at `x`, and their derivatives by x. Beyond the ends, the last span is extrapolated.
 struct SplineWeights {
   int first = 0;
   std::array<double, 4> weights{};
@@ -40,7 +40,7 @@ SplineWeights spline_weights(const SplineAxis& axis, double x) {
 template <typename T>
 using Vector3 = Eigen::Matrix<T, 3, 1>;
 
-/// Returns R^T v, for an R that is a yaw about up, then a pitch about right, then a roll about back.
+/// Returns R^T v, where R is a yaw about up, then a pitch about right, then a roll about back.
 template <typename T>
 Vector3<T> turned_back(const T& yaw, const T& pitch, const T& roll, const Eigen::Vector3d& v) {
   using std::cos;
@@ -54,8 +54,8 @@ Vector3<T> turned_back(const T& yaw, const T& pitch, const T& roll, const Eigen:
 
 /// Intersects the line of sight with  a u² + b v² + c w² + d uv + e uw + f vw = w, in the frame of a wall that touches
 /// this quadric at its origin; w points to the eye. Of the two intersections, returns the one that becomes the plane's
-/// when all coefficients vanish: the nearer one for a wall that bulges, the farther one for a wall that surrounds the
-/// eye.
+/// intersection when all coefficients vanish: the nearer one for a wall that bulges, the farther one for a wall that
+/// surrounds the eye.
 template <typename T>
 bool quadric_inverse_depth(const Vector3<T>& eye, const Vector3<T>& d, const std::array<T, 6>& q,
                            T* ret_inverse_depth) {
@@ -111,7 +111,7 @@ std::optional<double> profile(const SplineAxis& axis, const double* parameters, 
   using Jet = ceres::Jet<double, 2>;
   const Vector3<Jet> observation = turned_back(Jet(0.0), Jet(parameters[0], 0), Jet(parameters[1], 1), d);
   const Jet flat = sqrt(observation[0] * observation[0] + observation[2] * observation[2]);
-  if (!(flat.a > 1e-9)) return 0.0;  // Along the axis: infinitely far.
+  if (!(flat.a > 1e-9)) return 0.0;  // Along the axis, the wall is infinitely far.
   const Jet angle = atan2(observation[0], -observation[2]);
   const SplineWeights w = spline_weights(axis, angle.a);
   double value = 0.0;
@@ -130,7 +130,7 @@ std::optional<double> profile(const SplineAxis& axis, const double* parameters, 
   return flat.a * value;
 }
 
-/// Returns angles from straight ahead, rightwards and upwards (azimuthal equidistant).
+/// Returns the angles of a direction from straight ahead, rightwards and upwards (azimuthal equidistant).
 Eigen::Vector2d chart_position(const Eigen::Vector3d& d) {
   const double sine = std::hypot(d.x(), d.y());
   const double factor = sine < 1e-12 ? 1.0 : std::atan2(sine, -d.z()) / sine;
@@ -245,7 +245,7 @@ Surface Surface::start(SurfaceModel model, const Surface& from, const std::vecto
       surface.parameters[1] = from.parameters[1];
       const double k = 0.5 * from.curvature_per_m();
       const double roll = from.model == SurfaceModel::kCylinder ? from.parameters[2] : 0.0;
-      // The cylinder's own cross-axis, (cos, sin) of its roll, expressed in unrolled axes.
+      // The direction in which the cylinder bends, (cos, sin) of its roll, expressed in unrolled axes.
       surface.parameters[2] = k * std::cos(roll) * std::cos(roll);
       surface.parameters[3] = k * std::sin(roll) * std::sin(roll);
       surface.parameters[4] = k;

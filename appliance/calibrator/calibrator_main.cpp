@@ -37,7 +37,7 @@ constexpr double kFirstExposure_s = 1.0 / 60.0;
 /// Approximate width at which heads' pictures are compared with camera pictures.
 constexpr double kWatchedWidth_px = 960.0;
 
-/// Command-line options; each overrides the file.
+/// Options of the command line; each overrides the settings file.
 struct Options {
   std::string config;
   std::string installation;
@@ -141,12 +141,12 @@ void add_watch_options(CLI::App& app, Options* ret) {
 }
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kReadByEye_rad = 0.3 * kDegree;  // Error of reading a scale of whole degrees by eye.
+constexpr double kReadByEye_rad = 0.3 * kDegree;  // Error of a scale with whole degrees that is read by eye.
 
 constexpr double kMillisecond = 1e-3;
 constexpr const char* kOwnDisplay = "[::1]:7404";
 
-/// Empty if there is none.
+/// Returns the settings file; empty if there is none.
 std::filesystem::path config_of(const Options& options) {
   if (!options.config.empty() || options.installation.empty()) return options.config;
   const auto beside = std::filesystem::path(options.installation).parent_path() / "calibrator.toml";
@@ -192,7 +192,7 @@ std::vector<std::filesystem::path> lens_folders(const Options& options, const Ca
   return folders;
 }
 
-/// --check: finds problems in the files that would prevent a start or a calibration.
+/// Carries out --check: finds problems in the files that would prevent a start or a calibration.
 Status check(const Options& options, const CalibratorSettings& settings) {
   TRY(settings.check_lenses());
   if (options.installation.empty()) return Done{};
@@ -219,7 +219,7 @@ std::chrono::milliseconds settle_of(const CalibratorSettings& settings) {
   return std::chrono::milliseconds(static_cast<int>(1e3 * settings.settle_s + 0.5));
 }
 
-/// The opener shares ownership of the museum, which must outlive all devices.
+/// Returns an opener of simulated devices. It shares ownership of the museum, which must outlive all devices.
 DeviceOpener simulated_opener(const CalibratorSettings& settings, const std::filesystem::path& folder,
                               std::shared_ptr<simulated::SimulatedMuseum> museum) {
   return [settings, folder, museum]() -> Result<CalibrationDevices> {
@@ -233,7 +233,8 @@ DeviceOpener simulated_opener(const CalibratorSettings& settings, const std::fil
   };
 }
 
-/// A calibrator in a terminal prompts there; a service passes the prompt to the client that requested the calibration.
+/// Returns the operator of a manual turntable: a calibrator in a terminal prompts there; a service passes questions to
+/// the client that requested the calibration.
 std::unique_ptr<turntable::TurntableOperator> operator_at(TurntablePrompt* prompt) {
   if (::isatty(STDIN_FILENO) == 1) return std::make_unique<turntable::TerminalOperator>(STDIN_FILENO, STDERR_FILENO);
   return std::make_unique<PromptOperator>(prompt);
@@ -243,7 +244,8 @@ DeviceOpener real_opener(const CalibratorSettings& settings, const std::filesyst
                          const Installation& installation, TurntablePrompt* prompt, const Clock& clock) {
   return [settings, folder, projectors = installation.projectors, prompt, &clock]() -> Result<CalibrationDevices> {
     const scan::FrameScanCamera::Opener open_camera = [spec = settings.camera, &clock](double exposure_s) {
-      // The gain must be fixed, since photographs are compared; libcamera's cameras fix it together with the exposure.
+      // The gain must be fixed, so that photographs are comparable; libcamera's cameras fix it together with the
+      // exposure.
       const std::string_view held = spec.starts_with("v4l2:") ? "&gain=held" : "";
       // The rate follows the exposure, since cameras shorten an exposure that exceeds the frame period.
       const double rate_hz = std::min(30.0, 0.9 / exposure_s);
@@ -264,7 +266,7 @@ DeviceOpener real_opener(const CalibratorSettings& settings, const std::filesyst
 
 Duration seconds(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
 
-/// Null if no camera watches.
+/// Returns the rooms for the continuous calibration; null if no camera watches.
 Result<std::unique_ptr<healing::ShowRooms>> rooms_of(const Options& options, const CalibratorSettings& settings,
                                                      const Installation& installation, const Clock& clock) {
   const bool is_simulated = !options.simulated.empty() && !settings.displays.empty();
@@ -348,7 +350,7 @@ Status run(const Options& options, const StopSignal& stop) {
     notify.keep_alive(clock.now());
     const std::string state = calibrator.state();
     notify.status(state);
-    // Percentages change all the time; a line is logged only when the situation changes.
+    // Percentages change all the time; a line is logged only if the situation changes.
     const std::string situation = state.substr(0, state.find_first_of(",;"));
     if (situation == shown) continue;
     log(LogLevel::kInfo, state);
@@ -357,7 +359,8 @@ Status run(const Options& options, const StopSignal& stop) {
   notify.stopping();
   calibrator.stop();
   healing.stop();
-  server->stop(std::chrono::seconds(5));  // A photograph may take a second, and the patterns must be removed.
+  // A photograph may take a second, and the patterns must be removed from the wall.
+  server->stop(std::chrono::seconds(5));
   return Done{};
 }
 

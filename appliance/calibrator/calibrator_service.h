@@ -15,14 +15,14 @@
 
 namespace cyclorama::calibrator {
 
-/// Devices of one calibration. They are opened for it and released after it, so that the show returns and camera and
-/// turntable are free for others in between.
+/// Devices of one calibration. They are opened for it and released after it, so that the show returns, and that others
+/// can use camera and turntable in between.
 struct CalibrationDevices {
   std::unique_ptr<turntable::Turntable> turntable;
   std::unique_ptr<scan::ScanCamera> camera;
   std::unique_ptr<scan::ScanCamera> colour_camera;  ///< See ScanDevices; may be null.
   std::unique_ptr<scan::PatternScreen> screen;      ///< Last member, so that it is released first.
-  scan::ScanSettings settings;                      ///< Includes this camera's lens.
+  scan::ScanSettings settings;                      ///< Includes the lens of this camera.
 };
 using DeviceOpener = std::function<Result<CalibrationDevices>()>;
 
@@ -33,15 +33,16 @@ class CalibratorService final : public wire::Calibrator::Service {
   CalibratorService(Installation installation, std::filesystem::path folder, DeviceOpener opener, const Clock& clock,
                     InspectionService* inspection);
 
-  /// Call before the first request: the object that `hold` returns pauses other work while a calibration runs.
+  /// Sets a function whose result, while it exists, pauses other work; a calibration holds one. To be called before the
+  /// first request.
   void hold_with(std::function<std::shared_ptr<void>()> hold) { hold_ = std::move(hold); }
-  /// Call before the first request: sets the prompt that shows the questions of a manual turntable. Borrowed.
+  /// Sets the prompt that shows the questions of a manual turntable. Borrows it. To be called before the first request.
   void set_prompt(TurntablePrompt* prompt) { prompt_ = prompt; }
-  /// Adds a sentence about the process's other work to its state: "keeps 3 projectors in place".
+  /// Adds a sentence about the process's other work to the state, such as "keeps 3 projectors in place".
   void also(std::string sentence, bool is_healthy);
-  /// Cancels a running calibration, which ends within one picture; refuses later calls.
+  /// Cancels a running calibration, which then ends within one picture; later calls are refused.
   void stop();
-  /// Returns the state for people: "is calibrating: ...".
+  /// Returns the state in words, such as "is calibrating: ...".
   [[nodiscard]] std::string state() const;
 
  private:
@@ -62,7 +63,7 @@ class CalibratorService final : public wire::Calibrator::Service {
   const Clock& clock_;
   InspectionService* inspection_;
 
-  std::mutex busy_;  ///< Held by the call that is working.
+  std::mutex busy_;  ///< Held by the call that uses the devices.
   mutable std::mutex mutex_;
   std::string state_;
   bool is_healthy_ = true;

@@ -11,19 +11,20 @@
 
 namespace cyclorama::calibrator {
 
-/// Passes the questions of a manual turntable to the calibration's client, which answers them: the terminal of
-/// `cyclorama calibrate`, or the operator's page. Thread-safe.
+/// Passes the questions of a manual turntable to the calibration's client, which answers them. Clients are the terminal
+/// of `cyclorama calibrate` and the operator's page. Thread-safe.
 class TurntablePrompt {
  public:
-  /// Called with a new question, again every fifth of a second while it is open, and with an empty text once it is
-  /// answered. Returns false if the calibration is no longer wanted. Called by the thread that waits for the answer.
+  /// Called with a new question, again every fifth of a second while the question is open, and with an empty text once
+  /// it is answered, by the thread that waits for the answer. Returns false if the calibration is no longer needed.
   using Listener = std::function<bool(const std::string& question)>;
 
-  /// Sets the listener of the calibration that begins; null: it has ended.
+  /// Sets the listener when a calibration begins; null when it has ended.
   void set_listener(Listener listener);
-  /// Returns false if no question is open. An empty text means that the turntable was turned as requested.
+  /// Answers the open question. Returns false if there is none. An empty text means that the turntable was turned as
+  /// requested.
   bool answer(const std::string& text);
-  /// Like TurntableOperator::answer().
+  /// See TurntableOperator::answer().
   Result<std::string> ask(const std::string& question, std::chrono::milliseconds timeout);
 
  private:

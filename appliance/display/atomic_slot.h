@@ -6,8 +6,8 @@
 
 namespace cyclorama::display {
 
-/// One slot between threads, without a lock: a new value replaces the one that is there, which put() returns. It serves
-/// the present thread, which must never wait. Thread-safe.
+/// A lock-free slot that passes one value between threads: a new value replaces the former one, which put() returns. It
+/// serves the present thread, which must never wait. Thread-safe.
 template <typename T>
 class AtomicSlot {
  public:
@@ -16,11 +16,11 @@ class AtomicSlot {
   AtomicSlot& operator=(const AtomicSlot&) = delete;
   ~AtomicSlot() { delete value_.load(); }
 
-  /// Returns the value that nobody took, or null.
+  /// Stores `value`. Returns the former value if nobody took it, else null.
   std::unique_ptr<T> put(std::unique_ptr<T> value) {
     return std::unique_ptr<T>(value_.exchange(value.release(), std::memory_order_acq_rel));
   }
-  /// Null when the slot is empty.
+  /// Returns null if the slot is empty.
   std::unique_ptr<T> take() { return std::unique_ptr<T>(value_.exchange(nullptr, std::memory_order_acq_rel)); }
   [[nodiscard]] bool is_empty() const { return value_.load(std::memory_order_acquire) == nullptr; }
 

@@ -5,7 +5,7 @@
 
 namespace cyclorama::display {
 namespace {
-// Limit of one step: a display that was stopped resumes the fade where it was.
+// Maximum time that one step advances the fade, so that a display that was stopped resumes the fade where it was.
 constexpr Duration kMaxStep = std::chrono::milliseconds(50);
 constexpr Duration kMinFade = std::chrono::milliseconds(1);
 }  // namespace

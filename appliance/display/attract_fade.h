@@ -6,14 +6,14 @@
 namespace cyclorama::display {
 
 struct AttractTimes {
-  Duration after = std::chrono::seconds(20);  ///< Time for which a wrong picture stays.
+  Duration after = std::chrono::seconds(20);  ///< Time for which a wrong picture stays before it fades.
   /// Duration of the fade from one picture to the other; at least a millisecond.
   Duration fade = std::chrono::seconds(2);
 };
 
 /// Share of the attract picture in what the heads show. A picture that is wrong (the visitor has turned and no frame
-/// follows, the tour is gone, frames are given up) stays for a while and then fades; the next frame fades in. The share
-/// never jumps, however late a refresh is.
+/// follows, the tour is gone, or frames fail) stays for AttractTimes::after and then fades to the attract picture; the
+/// next frame fades in. The share never jumps, however late a refresh is.
 ///
 ///          wrong for `after`
 ///   frame ──────────────────► fading ──► attract        Thread-bound; allocates nothing.

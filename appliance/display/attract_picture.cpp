@@ -28,7 +28,7 @@ Colour colour_at(double tan_elevation) {
 
 double tan_elevation_at(const PictureShape& shape, int x, int y) {
   const Eigen::Vector3d seen = direction_of(shape, pixel_scale(shape).place_at({x + 0.5, y + 0.5}));
-  return seen.y() / std::hypot(seen.x(), seen.z());  // Infinity straight up: the zenith's colour.
+  return seen.y() / std::hypot(seen.x(), seen.z());  // Infinite straight up, which gives the zenith's colour.
 }
 
 DisplayFrame frame_of(const PictureShape& shape, const RgbImage& picture) {

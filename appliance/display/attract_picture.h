@@ -12,8 +12,9 @@ namespace cyclorama::display {
 /// its own: a dim evening sky over a dark ground.
 [[nodiscard]] DisplayFrame attract_frame(const PictureShape& shown);
 
-/// Reads the museum's own picture (PNG or JPEG) and stretches it over the wall from edge to edge; on a dome it is the
-/// largest circle of the picture. Errors: those of read_image(); kInvalidArgument if a side exceeds 16384 pixels.
+/// Reads the museum's own picture (PNG or JPEG) and stretches it over the wall from edge to edge; on a dome, only the
+/// largest circle in the picture is visible. Errors: those of read_image(); kInvalidArgument if a side exceeds 16384
+/// pixels.
 Result<DisplayFrame> attract_frame(const PictureShape& shown, const std::filesystem::path& picture);
 
 }  // namespace cyclorama::display

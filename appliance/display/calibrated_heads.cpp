@@ -26,9 +26,8 @@ Error of_others(const std::string& name, int width_px, int height_px, const Pinh
                            printable(name), what, width_px, height_px, lens.width_px, lens.height_px));
 }
 
-/// Returns the map of each projector of the installation; null where the calibration lacks it. A map gets the size of
-/// one eye's pixels, which are stretched over the head's whole picture; its control points are evenly spread, so they
-/// stay as they are.
+/// Returns the map of each projector of the installation; null where the calibration lacks it. Each map is resized to
+/// the pixels of one eye, which are stretched over the whole head; its evenly spread control points do not change.
 Result<std::vector<const calibration::MeasuredMap*>> maps_of(calibration::Calibration* calibration,
                                                              const Installation& installation) {
   std::vector<const calibration::MeasuredMap*> maps;
@@ -60,7 +59,7 @@ Status add_colours(std::vector<calibration::CalibratedColour> colours, const Ins
       (black_lift->width() != installed.lens.width_px || black_lift->height() != installed.lens.height_px))
     return of_others(installed.name, black_lift->width(), black_lift->height(), installed.lens, "black lift");
   if (found->mask.width() != head->mask.width() || found->mask.height() != head->mask.height()) {
-    found->colour.black_lift.reset();  // With two eyes' pictures in one, images of the whole head do not fit.
+    found->colour.black_lift.reset();  // A head that packs two eyes' pictures cannot use images of the whole head.
   } else {
     head->mask = std::move(found->mask);
   }
@@ -68,11 +67,11 @@ Status add_colours(std::vector<calibration::CalibratedColour> colours, const Ins
   return Done{};
 }
 
-/// Minimum displacement at which masks follow their projector; below it, their ramps hardly differ.
+/// Displacement of a projector from which masks are adapted to it; below it, their ramps hardly change.
 constexpr double kCarryMasksFrom_px = 2.0;
 
-/// Adapts the maps to the present poses and returns whether any projector moved so far that the masks must follow.
-/// Without a correction, or if it is of another calibration or unreadable, everything stays as measured.
+/// Adapts the maps to the present poses. Returns true if a projector moved so far that the masks must be adapted as
+/// well. Without a correction, or if it belongs to another calibration or is unreadable, everything stays as measured.
 bool correct_maps(const std::filesystem::path& folder, const Installation& installation,
                   calibration::Calibration* calibration, std::vector<std::string>* corrected) {
   const auto show = calibration::read_show(folder / calibration::kCorrectionFile);
@@ -91,7 +90,8 @@ bool correct_maps(const std::filesystem::path& folder, const Installation& insta
   return max_px > kCarryMasksFrom_px;
 }
 
-/// Keeps the measured brightness at the head's pixels, and updates its share of the wall to the present pose.
+/// Adapts `mask` to the present pose: keeps the measured brightness of each pixel, and updates its share of the wall's
+/// light.
 void carry(const warp::MaskImage& share_before, const warp::MaskImage& share_now, warp::MaskImage* mask) {
   if (mask->width() != share_now.width() || mask->height() != share_now.height() || share_before.empty()) return;
   for (std::size_t i = 0; i < mask->data().size(); ++i) {

@@ -38,7 +38,7 @@ std::string CalibrationWatch::mark() const {
          (colours_folder_.empty() ? "" : mark_of(colours_folder_ / "colours.json"));
 }
 
-/// Called before anything else is read, so that a change in the meantime triggers another read.
+/// Must be called before other files are read, so that a change in the meantime triggers another read.
 void CalibrationWatch::find_colours() {
   colours_folder_.clear();
   const auto text = read_text_file(folder_ / kFile, kMaxBytes);

@@ -17,9 +17,9 @@
 
 namespace cyclorama::display {
 
-/// A change of the calibration, made ready for the presenter.
+/// A changed calibration, prepared for the presenter.
 struct CalibrationUpdate {
-  std::optional<Error> trouble;        ///< Set if the calibration cannot be used; then, the rest is empty.
+  std::optional<Error> trouble;        ///< Set if the calibration cannot be used; all other members are then empty.
   std::string date;                    ///< Date of the calibration.
   std::vector<std::string> lacking;    ///< Same as CalibratedHeads::lacking.
   std::vector<std::string> corrected;  ///< Same as CalibratedHeads::corrected.
@@ -27,15 +27,16 @@ struct CalibrationUpdate {
   std::vector<HeadFootprint> footprints;
 };
 
-/// Watches a calibration's folder four times a second on a thread of its own, and reads it whenever the current
-/// calibration has changed. Its files are replaced by renames, so that a read never sees half of one.
+/// Checks a calibration's folder four times a second on a thread of its own, and reads the calibration again when its
+/// files have changed. The files are replaced by renaming, so no read ever sees half a file.
 class CalibrationWatch {
  public:
-  /// `planned` are the heads that projectors keep if a calibration lacks them.
+  /// `planned`: the heads of projectors that a calibration lacks.
   CalibrationWatch(std::filesystem::path folder, Installation installation, PictureShape picture,
                    std::vector<HeadPlan> planned);
 
-  /// Reads the calibration now, for the start, before run(). Errors: kNotFound if there is none.
+  /// Reads the calibration on the caller's thread. Precondition: run() was not called. Errors: those of
+  /// calibrated_heads().
   Result<CalibratedHeads> read();
   /// Starts the thread.
   void run();
@@ -43,7 +44,7 @@ class CalibrationWatch {
   [[nodiscard]] std::unique_ptr<CalibrationUpdate> take() { return news_.take(); }
 
  private:
-  /// Returns a text that changes whenever one of the files does.
+  /// Returns a text that changes whenever one of the files changes.
   [[nodiscard]] std::string mark() const;
   void find_colours();
   void look_until(const std::stop_token& stop);
@@ -52,8 +53,9 @@ class CalibrationWatch {
   const Installation installation_;
   const PictureShape picture_;
   const std::vector<HeadPlan> planned_;
-  std::string mark_;                      // The mark() of the files that were read last.
-  std::filesystem::path colours_folder_;  // Their colours' folder; empty if nothing could be read.
+  std::string mark_;  // Value of mark() for the files that were read last.
+  // Folder of the calibration's colours; empty if calibration.json is unreadable.
+  std::filesystem::path colours_folder_;
   AtomicSlot<CalibrationUpdate> news_;
   std::mutex mutex_;
   std::condition_variable_any woken_;

@@ -45,7 +45,7 @@ std::vector<output::HeadMode> modes_of(const std::vector<InstalledProjector>& pr
   return modes;
 }
 
-/// Areas that no head shows are black, since nothing was decoded there.
+/// Returns the picture of `frame`. Areas that no head shows are black, since nothing was decoded there.
 RgbImage decoded_parts(const DisplayFrame& frame, JpegDecoder* decoder) {
   RgbImage all = decoder->to_rgb(*frame.picture);
   if (frame.parts == nullptr) return all;
@@ -115,7 +115,7 @@ Status Display::prepare() {
   return Done{};
 }
 
-/// A missing or broken calibration must not keep the wall dark.
+/// Returns the calibrated heads, else the planned ones: a missing or broken calibration must not keep the wall dark.
 Result<std::vector<HeadPlan>> Display::first_heads() {
   TRY_ASSIGN(std::vector<HeadPlan> planned, planned_heads(options_.installation, wanted_.shape));
   if (options_.calibration.empty()) return planned;
@@ -145,7 +145,8 @@ void Display::refuse_calibration(const Error& why) {
   inspection_.set_fact("calibration_refused", is_none ? "there is none yet" : printable(why.message(), 400));
 }
 
-/// The heads change over once a frame is decoded for them; reconnecting makes the tour send one.
+/// Passes a new calibration to the presenter. The heads use it once a frame is decoded for them; reconnecting makes the
+/// tour send one.
 void Display::keep_calibration() {
   if (watch_ == nullptr) return;
   if (mailbox_.plans.replaced.take() != nullptr) history_->heads_changed();
@@ -168,8 +169,8 @@ void Display::keep_calibration() {
   inspection_.count("calibrations_taken");
 }
 
-/// Returns whether the present picture contains everything that the heads will show: a correction moves them by less
-/// than the margin that is decoded around them.
+/// True if the present picture contains everything that the heads will show: a correction moves them by less than the
+/// margin that is decoded around them.
 bool Display::is_decoded_for(const std::vector<HeadFootprint>& heads) const {
   const ShownParts now = shown_parts(footprints_, wanted_.shape, wanted_.shape);
   const ShownParts then = shown_parts(heads, wanted_.shape, wanted_.shape);
@@ -286,8 +287,8 @@ void Display::serve(TimePoint deadline) {
   } while (clock_.now() < deadline);
 }
 
-/// The state depends on the present time alone, independent of the start of the process and of clock changes. Patterns
-/// keep the heads awake, since a wall is measured while the museum is closed.
+/// Lights or darkens the heads. The result depends on the present time alone, not on when the process started or the
+/// clock was set. Patterns keep the heads awake, since a wall is measured while the museum is closed.
 void Display::keep_hours() {
   const auto now = wall_time(std::chrono::time_point_cast<WallTime::duration>(options_.system_clock()));
   is_awake_ = patterns_.is_open() || hours_.is_open(now);
@@ -318,7 +319,7 @@ void Display::keep_connected() {
   if (clock_.now() < connect_at_) return;
   {
     const std::lock_guard lock(mutex_);
-    drops_.clear();  // Drops of one connection have no meaning for the next.
+    drops_.clear();  // Drops that belong to one connection have no meaning for the next.
     reported_after_ = newest_ready_;
   }
   stream_ = std::make_unique<ShowStream>(channel_, hello_, [this](wire::ShowMessage m) { on_message(std::move(m)); });

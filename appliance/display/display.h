@@ -30,21 +30,23 @@ struct DisplayOptions {
   std::string tour;                ///< HOST:PORT of the tour to connect to.
   std::string listen = "[::1]:0";  ///< HOST:PORT that serves inspection, patterns and ShownPictures.
   int width_px = 1024;             ///< Width of the requested picture.
-  int height_px = 0;               ///< Its height; 0: as high as square pixels make it.
+  int height_px = 0;               ///< Height of that picture; 0: such that pixels are square.
   double refresh_hz = 30.0;
   OutputChoice output;
   int decode_threads = 2;
-  Duration patterns_idle = std::chrono::minutes(10);  ///< A calibration that sends no order for this long is ended.
+  /// A calibration that requests no pattern for this long is ended.
+  Duration patterns_idle = std::chrono::minutes(10);
   /// The calibration's folder; empty: the heads draw as the installation describes.
   std::filesystem::path calibration;
-  std::filesystem::path attract_picture;  ///< PNG or JPEG; empty: an evening sky.
+  std::filesystem::path attract_picture;  ///< PNG or JPEG; empty: the built-in evening sky.
   AttractTimes attract_times;
-  OpeningHours hours;                    ///< The heads are dark outside of them.
+  OpeningHours hours;                    ///< Outside of these hours the heads are dark.
   std::filesystem::path hours_override;  ///< File with the operator's override of the hours for one day; empty: none.
   SystemClock system_clock = std::chrono::system_clock::now;
-  /// Called while the output opens, whenever a step is done. May be null.
+  /// Called after each step while the output opens. May be null.
   std::function<void()> on_start_step;
-  std::function<void(const RefreshEvent&)> on_refresh;  ///< For tools: called on main for every refresh; may be null.
+  /// For tools: called on the main thread for every refresh. May be null.
+  std::function<void(const RefreshEvent&)> on_refresh;
 };
 
 /// Receives one projection computer's picture as tiles and shows it on its heads. Its threads:
@@ -54,17 +56,18 @@ struct DisplayOptions {
 ///   decode (N)       decode JPEG tiles
 ///   present          owns GL; draws and shows
 ///
-/// If the tour is lost, the last complete frame stays on the wall and the display keeps trying to reconnect. An output
-/// that is lost is reopened likewise. Any client that can reach its port may replace the show with patterns. Bound to
-/// the main thread.
+/// While the connection to the tour is lost, the heads show the last complete frame, and later the attract picture; the
+/// display keeps trying to reconnect. A lost output is reopened in the same way (OutputSupervisor). Any client that can
+/// reach the display's port may replace the show with patterns. Bound to the main thread.
 class Display : private FrameSink {
  public:
-  /// Opens the output and starts to show. `clock` must outlive it. Errors: kInvalidArgument if an option or the
-  /// installation cannot work, with the reason; kBusy if the port of `listen` is taken; kUnavailable if there is no GL.
+  /// Opens the output and starts to show pictures. `clock` must outlive the display. Errors: kInvalidArgument if an
+  /// option or the installation cannot work, with the reason; kBusy if the port of `listen` is taken; kUnavailable if
+  /// there is no GL.
   static Result<std::unique_ptr<Display>> start(DisplayOptions options, const Clock& clock);
   ~Display() override;
 
-  /// Does main's part of the work until `deadline`.
+  /// Does the main thread's part of the work until `deadline`.
   void serve(TimePoint deadline);
 
   /// False if the graphics driver hangs; for the watchdog.
@@ -102,12 +105,12 @@ class Display : private FrameSink {
   const DisplayOptions options_;
   const Clock& clock_;
   Projection wanted_;
-  std::atomic<bool> is_awake_{true};  // Read by the output.
+  std::atomic<bool> is_awake_{true};  // Shared with the output, which reads it.
   InspectionService inspection_{"display"};
   RefreshReporter reporter_;
   PresentMailbox mailbox_;
   PatternService patterns_;
-  std::unique_ptr<ShownHistory> history_;  // Made in prepare(), before the first request.
+  std::unique_ptr<ShownHistory> history_;  // Created in prepare(), before the first request.
   std::unique_ptr<ShownService> showing_;
   TourClock tour_clock_;
   OverriddenHours hours_;
@@ -118,7 +121,7 @@ class Display : private FrameSink {
     std::uint64_t number;
     std::string reason;
   };
-  std::mutex mutex_;  // Guards the three below; never taken by the present thread.
+  std::mutex mutex_;  // Guards the next three members; never taken by the present thread.
   std::vector<Drop> drops_;
   std::vector<std::string> depth_troubles_;
   std::uint64_t newest_ready_ = 0;  // DisplayFrame::order of the newest frame that was handed over.
@@ -128,11 +131,11 @@ class Display : private FrameSink {
   std::optional<Error> loss_;              // Set while there is no output.
   std::optional<Error> trouble_;           // Set while there is no connection.
   TimePoint connect_at_{};
-  std::uint64_t reported_after_ = 0;  // Frames up to this DisplayFrame::order came by an earlier connection.
+  std::uint64_t reported_after_ = 0;  // Frames up to this DisplayFrame::order came over an earlier connection.
 
-  // The order of construction; destruction in reverse keeps callbacks from reaching destroyed members.
+  // In this order, so that destruction, in reverse, keeps callbacks from reaching destroyed members.
   std::unique_ptr<WireServer> server_;
-  JpegDecoder pictures_;                     // For watchers.
+  JpegDecoder pictures_;                     // Used by serve_watchers().
   std::unique_ptr<CalibrationWatch> watch_;  // Null without a calibration's folder.
   std::unique_ptr<PresentThread> present_;
   std::unique_ptr<DecodePool> pool_;

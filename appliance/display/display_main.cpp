@@ -16,9 +16,10 @@
 namespace cyclorama::display {
 namespace {
 
-// An emulated, busy processor needs almost a minute to compile a shader.
+// Timeout for one step of the start. A busy, emulated processor needs almost a minute to compile a shader.
 constexpr auto kStartStepTimeout = std::chrono::minutes(3);
-constexpr double kProjectors_hz = 60.0;                 // Most projectors support it; others take their nearest rate.
+// Most projectors support this rate; others take the nearest rate that they support.
+constexpr double kProjectors_hz = 60.0;
 constexpr auto kTurn = std::chrono::milliseconds(100);  // Maximum delay until a stop is noticed.
 
 struct Options {
@@ -75,7 +76,7 @@ void add_options(CLI::App* app, Options* options) {
       ->capture_default_str();
 }
 
-/// Logs when the state of the process changes between well and unwell, after it has had time to reach its tour.
+/// Logs when the process becomes healthy or unhealthy, once it has had time to connect to its tour.
 class StateLog {
  public:
   void see(const wire::ProcessStatus& status) {
@@ -89,7 +90,7 @@ class StateLog {
   bool was_healthy_ = true;
 };
 
-/// Reads the files that the start needs. A broken calibration does not prevent the start.
+/// Reads the files that the start requires. A broken calibration does not prevent the start.
 Status check(const DisplayOptions& display) {
   const Projection picture = display.installation.projection(display.width_px, display.height_px);
   TRY(picture.validate());

@@ -9,8 +9,8 @@
 
 namespace cyclorama::display {
 
-/// A bounded queue from one thread to one other, without a lock and without allocation. When it is full, a pushed event
-/// is lost and counted: the present thread never waits for a consumer.
+/// A bounded, lock-free queue from one producer thread to one consumer thread; it allocates nothing. When it is full, a
+/// pushed event is dropped and counted: the present thread never waits for a consumer.
 template <typename T, std::size_t Capacity>
 class EventRing {
  public:

@@ -6,7 +6,8 @@
 
 namespace cyclorama::display {
 namespace {
-/// A move far below a pixel counts as none, so that rounding does not soften a picture at rest.
+/// Distance below which a move counts as none, far less than the shift of a pixel, so that rounding does not soften a
+/// picture at rest.
 constexpr double kNothing_m = 1e-6;
 }  // namespace
 

@@ -5,20 +5,21 @@
 
 namespace cyclorama::display {
 
-/// Up to this distance a frame is shown from the visitor's own eye. Beyond it, an ever smaller share of the distance is
-/// compensated, since too much of what comes into view is unknown.
+/// Distance of the visitor's eye from the picture's eye up to which the move is compensated completely. Beyond it, an
+/// ever smaller share is compensated, since too much of what comes into view is unknown.
 inline constexpr double kFullMove_m = 0.6;
-/// From this distance on a frame is shown from its own eye: the visitor has moved elsewhere, such as to another stop of
-/// the tour.
+/// Distance from which on no move is compensated: the visitor has moved elsewhere, for example to another stop of the
+/// tour.
 inline constexpr double kMaxMove_m = 0.9;
 
 struct EyeMove {
-  Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();  ///< Eye frame of the picture: x right, y up, z back.
+  Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();  ///< Move in the picture's Eye frame: x right, y up, z back.
   double missed_m = 0.0;                            ///< Distance from the moved eye to the visitor's.
 };
 
-/// Returns by how much to move the eye of a picture, seen from `picture_eye_m` in the Scene frame with that heading, for
-/// a visitor at `eye_now_m`. Zero if either is not finite.
+/// Returns the move of a picture's eye towards the visitor's eye at `eye_now_m`. The picture was seen from
+/// `picture_eye_m` with heading `picture_heading_rad`; both positions are in the Scene frame. Zero if either is not
+/// finite.
 [[nodiscard]] EyeMove eye_move(const Eigen::Vector3d& picture_eye_m, double picture_heading_rad,
                                const Eigen::Vector3d& eye_now_m);
 

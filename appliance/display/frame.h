@@ -18,33 +18,33 @@ namespace cyclorama::display {
 
 inline constexpr std::int64_t kMaxShowAt_ns = std::int64_t{1} << 62;
 
-/// Time from which a frame or heading is shown: wire::ShowAt, checked. With period 0 it is shown at once. The refresh
-/// lies within kMaxShowAt_ns of the clock's zero (146 years), so that nothing overflows.
+/// Time from which a frame or heading is shown: a checked wire::ShowAt. With period 0 it is shown at once. The refresh
+/// lies within kMaxShowAt_ns (146 years) of the clock's zero, so that nothing overflows.
 struct ShowAt {
   std::int64_t refresh = 0;  ///< Number of the synchronised refresh.
   std::int64_t period_ns = 0;
-  std::int64_t told_ns = 0;  ///< Sending time on the tour's clock.
+  std::int64_t told_ns = 0;  ///< Time when the tour sent the schedule, on the tour's clock.
 };
 
 /// A whole picture, ready to be shown: every tile has come, and those that the heads show are decoded. A value; its
 /// pixels are shared and never change.
 struct DisplayFrame {
-  std::uint64_t order = 0;   ///< Counts frames begun by this display; a greater one is newer, whatever `number` is.
-  std::uint64_t number = 0;  ///< Number of the view; 0 is a picture of the display's own.
+  std::uint64_t order = 0;   ///< Counts frames begun by this display; a greater value is newer, whatever `number` is.
+  std::uint64_t number = 0;  ///< Number of the view; 0: the display made the picture itself.
   double heading_rad = 0.0;
-  Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();  ///< Scene frame.
-  std::int64_t shutter_ns = 0;  ///< Same as in wire::View; 0 when keys steered.
+  Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();  ///< Eye in the Scene frame.
+  std::int64_t shutter_ns = 0;                      ///< See wire::View; 0 if keys steered.
   PictureShape shape;           ///< Shape of one eye's picture, with its guard band.
-  int stacked = 1;              ///< Number of such pictures in `picture`; 2: the left eye's above the right eye's.
+  int stacked = 1;              ///< Number of eyes' pictures in `picture`; 2: the left eye's above the right eye's.
   std::shared_ptr<const PlanarPicture> picture;
-  std::shared_ptr<const std::vector<PixelRect>> parts;  ///< Valid parts of the picture; null: all of it.
-  /// The picture's distances; null: it cannot be shown from another eye than its own.
+  std::shared_ptr<const std::vector<PixelRect>> parts;  ///< Valid parts of the picture; null: the whole picture.
+  /// Depth of the picture; null: the picture can only be shown from its own eye.
   std::shared_ptr<const ReprojectionMesh> mesh;
-  std::string depth_trouble;    ///< Reason for the lack of depth that the view requested; else empty.
-  double turn_limit_rad = 0.0;  ///< Maximum turn either way at which the heads show valid parts only.
-  std::size_t bytes = 0;        ///< JPEG bytes of all tiles.
-  std::uint32_t tiles = 0;      ///< Number of tiles that came.
-  std::uint32_t decoded = 0;    ///< Number of tiles that a head shows, and that were decoded.
+  std::string depth_trouble;    ///< Reason why the requested depth is missing; else empty.
+  double turn_limit_rad = 0.0;  ///< Maximum turn either way for which the heads show only valid parts.
+  std::size_t bytes = 0;        ///< Size of all tiles' JPEG data.
+  std::uint32_t tiles = 0;      ///< Number of tiles received.
+  std::uint32_t decoded = 0;    ///< Number of tiles that were decoded, because a head shows them.
   TimePoint begun_at{};
   TimePoint decoded_at{};
   ShowAt show_at;
@@ -56,8 +56,8 @@ struct HeadingNow {
   double heading_rad = 0.0;
   std::int64_t shutter_ns = 0;
   ShowAt show_at{};
-  std::uint64_t order = 0;  ///< A greater one is newer.
-  /// Scene frame: x, y, z; nothing: that of the frame. An array, because headings are passed on as plain bytes.
+  std::uint64_t order = 0;  ///< A greater value is newer.
+  /// Eye in the Scene frame: x, y, z; absent: the frame's eye. An array, because headings are passed on as plain bytes.
   std::optional<std::array<double, 3>> eye_m{};
 };
 

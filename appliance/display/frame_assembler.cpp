@@ -19,8 +19,8 @@ namespace {
 constexpr std::size_t kMaxKnownParts = 8;
 }  // namespace
 
-/// Pictures of frames that are no longer shown, reused to decode the next ones into, so that a frame's memory is not
-/// mapped anew for every frame. Thread-safe: the last holder of a picture returns it.
+/// Pictures of frames that are no longer shown, reused for later frames, so that memory is not mapped anew for every
+/// frame. Thread-safe: the last holder of a picture returns it.
 class FrameAssembler::PictureStore : public std::enable_shared_from_this<PictureStore> {
  public:
   /// The pixels are uninitialised.
@@ -50,7 +50,7 @@ class FrameAssembler::PictureStore : public std::enable_shared_from_this<Picture
   std::vector<std::unique_ptr<PlanarPicture>> free_;
 };
 
-/// Keeps the newest depth, for frames of the same view that come without any. Thread-safe.
+/// Keeps the newest depth, for frames of the same view that come without depth. Thread-safe.
 class FrameAssembler::DepthStore {
  public:
   void put(std::uint64_t view, std::shared_ptr<const InverseDepthImage> depth) {
@@ -64,7 +64,7 @@ class FrameAssembler::DepthStore {
     const std::lock_guard lock(mutex_);
     return view == view_ ? depth_ : nullptr;
   }
-  /// Another session numbers its views anew.
+  /// Forgets the depth: another session numbers its views anew.
   void clear() {
     const std::lock_guard lock(mutex_);
     view_ = 0;
@@ -77,7 +77,8 @@ class FrameAssembler::DepthStore {
   std::shared_ptr<const InverseDepthImage> depth_;
 };
 
-/// One frame in assembly, shared by the assembler and its decode jobs. Its last holder delivers or drops it.
+/// One frame in assembly, shared by the assembler and the decode jobs. The last of its holders to finish delivers or
+/// drops it.
 class FrameAssembler::Assembly {
  public:
   Assembly(DisplayFrame frame, bool has_depth, const KnownParts& known, std::shared_ptr<PictureStore> pictures,
@@ -103,7 +104,7 @@ class FrameAssembler::Assembly {
   Assembly(const Assembly&) = delete;
   Assembly& operator=(const Assembly&) = delete;
 
-  /// Runs when every holder is done: the assembler after the end, each job after its tile.
+  /// Runs when all holders are done: the assembler after the frame's end, each job after its tile.
   ~Assembly() {
     --*in_flight_;
     // A pool that ends destroys jobs without running them.
@@ -112,7 +113,7 @@ class FrameAssembler::Assembly {
       sink_.frame_dropped(frame_.number, failure_);
       return;
     }
-    if (picture_ == nullptr) make_room(true);  // No head shows any of its tiles.
+    if (picture_ == nullptr) make_room(true);  // No head shows any of this frame's tiles.
     frame_.picture = std::move(picture_);
     add_mesh();
     frame_.decoded_at = clock_.now();
@@ -130,7 +131,7 @@ class FrameAssembler::Assembly {
   }
 
   /// Records the arrival of a tile. Errors: kBadData if its rectangle does not match the tile grid, or another tile
-  /// filled it.
+  /// already covers it.
   Status claim(const wire::Tile& tile) {
     TRY(validate(tile, width(), height()));
     const int x = static_cast<int>(tile.x_px());
@@ -222,8 +223,8 @@ class FrameAssembler::Assembly {
   std::shared_ptr<const ReprojectionGrid> grid_;
   std::shared_ptr<PictureStore> pictures_;
   std::shared_ptr<DepthStore> depths_;
-  std::shared_ptr<InverseDepthImage> depth_;  // Null if the frame comes without.
-  std::shared_ptr<PlanarPicture> picture_;  // Made before the first job that decodes into it is submitted.
+  std::shared_ptr<InverseDepthImage> depth_;  // Null if the frame comes without depth.
+  std::shared_ptr<PlanarPicture> picture_;    // Created before the first job that decodes into it is submitted.
   FrameSink& sink_;
   const Clock& clock_;
   std::shared_ptr<std::atomic<int>> in_flight_;
@@ -317,7 +318,7 @@ const FrameAssembler::KnownParts& FrameAssembler::parts_of(const Projection& pic
 
 void FrameAssembler::tile(wire::Tile tile) {
   if (current_ == nullptr) {
-    // Messages after a refused begin were reported with it; any other frame is reported once.
+    // A refused begin was already reported; any other frame without a begin is reported once.
     if (tile.view_number() != refused_number_)
       sink_.frame_dropped(tile.view_number(), "a tile came without its frame's begin");
     refused_number_ = tile.view_number();

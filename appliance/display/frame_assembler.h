@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From the Show stream's messages to whole frames. A frame is shown whole or not at all.
+/// Assembles whole frames from the messages of the Show stream. A frame is shown whole or not at all.
 ///
-///   begin ──► tiles ──► end(complete) ──► those that a head shows decoded ──► frame_ready
+///   begin ──► tiles ──► end(complete) ──► tiles that a head shows are decoded ──► frame_ready
 ///     any missing, duplicate, foreign, misplaced or damaged tile, an end that is not complete, a begin or a lost
 ///     stream before the end  ──────────────────────────► frame_dropped, once, with the first reason
 ///
-/// A frame whose depth is missing or damaged is shown without a mesh. A frame of the same view as the last one with
-/// depth (the farm refines a picture at rest) is seen from the same eye and shares that depth.
+/// A frame whose depth is missing or damaged is shown without a mesh. A frame without depth that has the same view as
+/// the newest frame with depth (the farm refines a picture at rest) is seen from the same eye and shares that depth.
 #pragma once
 
 #include <atomic>
@@ -21,7 +21,8 @@
 
 namespace cyclorama::display {
 
-/// Called on the assembler's thread or on a decode thread; calls may overlap, so it is thread-safe.
+/// Receives finished frames. Called on the assembler's thread or on decode threads; calls may overlap, so
+/// implementations must be thread-safe.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
@@ -34,19 +35,20 @@ class FrameSink {
   FrameSink& operator=(const FrameSink&) = default;
 };
 
-/// Limits of a frame's size and of the frames in assembly at once; they bound the memory for any input.
+/// Limits of a frame's size and of the number of frames in assembly; they bound the memory, whatever the input.
 inline constexpr std::size_t kMaxFramePx = std::size_t{64} << 20;
 inline constexpr std::size_t kMaxFrameBytes = std::size_t{256} << 20;
 inline constexpr int kMaxFramesInFlight = 3;
 
-/// The part of any picture that the heads show.
+/// The heads' view of any picture; parts that no head shows are not decoded.
 struct ShownByHeads {
   std::vector<HeadFootprint> heads;
   PictureShape wall;    ///< Shape of the whole wall's picture; a picture of another kind or tilt is refused.
   bool stereo = false;  ///< False: the heads cannot show two eyes' pictures; such frames are refused.
 };
 
-/// Messages come from one thread at a time. Borrows the pool, the sink and the clock, which outlive it and its frames.
+/// Assembles frames from messages, which come from one thread at a time. Borrows the pool, the sink and the clock; they
+/// must outlive the assembler and its frames.
 class FrameAssembler {
  public:
   FrameAssembler(DecodePool* pool, FrameSink* sink, const Clock* clock, ShownByHeads shown);
@@ -54,12 +56,12 @@ class FrameAssembler {
   FrameAssembler(const FrameAssembler&) = delete;
   FrameAssembler& operator=(const FrameAssembler&) = delete;
 
-  /// Precondition: the message is a begin, a tile or an end.
+  /// Takes the next message. Precondition: it is a begin, a tile or an end.
   void take(wire::ShowMessage message);
-  /// Reports that the stream has ended; the unfinished frame is dropped.
+  /// Drops the unfinished frame, since the stream has ended.
   void stream_lost();
   /// Sets what the heads show from the next frame on. Returns the newest DisplayFrame::order so far: frames with a
-  /// greater one are assembled for these heads.
+  /// greater order are assembled for these heads.
   std::uint64_t set_heads(std::vector<HeadFootprint> heads);
   /// Sets the number of cells of depth (kDepthCellPx) between two vertices of a mesh, from the next frame on.
   /// Precondition: at least 1.
@@ -69,7 +71,7 @@ class FrameAssembler {
   class Assembly;
   class PictureStore;
   class DepthStore;
-  /// Data that all frames of one size share.
+  /// Data that all frames of the same size share.
   struct KnownParts {
     Projection picture;
     int mesh_cells = 1;
@@ -86,15 +88,15 @@ class FrameAssembler {
   FrameSink& sink_;
   const Clock& clock_;
   ShownByHeads shown_;
-  // Parts for the newest few shapes: a farm that keeps its pace alternates between some sizes.
+  // Parts of the few shapes that were used last: a farm that adapts to its frame budget alternates between a few sizes.
   std::vector<KnownParts> known_parts_;
   JpegDecoder headers_;
   std::shared_ptr<PictureStore> pictures_;
   std::shared_ptr<DepthStore> depths_;
   int mesh_cells_ = 1;
   std::shared_ptr<std::atomic<int>> in_flight_;
-  std::shared_ptr<Assembly> current_;  // Between begin and end; null when there is none or it was refused.
-  std::uint64_t refused_number_ = 0;   // The frame whose remaining messages are ignored.
+  std::shared_ptr<Assembly> current_;  // The frame between begin and end; null if there is none or it was refused.
+  std::uint64_t refused_number_ = 0;   // Number of the frame whose remaining messages are ignored.
   std::uint64_t order_ = 0;
 };
 

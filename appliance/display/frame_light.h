@@ -8,9 +8,9 @@
 
 namespace cyclorama::display {
 
-/// Everything before pass 2: the newest frame's light, with what earlier frames showed of the same surfaces
-/// (frame_reuse.h), seen from the visitor's eye (reprojection_painter.h). A frame that comes from the eye and heading of
-/// the one before, or without depth, is shown exactly as it came, and so is any first frame.
+/// All passes before pass 2: the light of the newest frame, combined with what earlier frames showed of the same
+/// surfaces (frame_reuse.h), seen from the visitor's eye (reprojection_painter.h). The first frame, a frame without
+/// depth, and a frame with the eye and heading of its predecessor are shown unchanged.
 ///
 /// Thread-bound to the GL context; borrows the Gl table and the program.
 class FrameLight {
@@ -18,14 +18,14 @@ class FrameLight {
   /// Errors: kSystem if the driver's compiler refuses a shader, with its message.
   static Result<FrameLight> make(const output::Gl& gl, const PictureProgram& program, Texels texels);
 
-  /// Uses each shader once, on a few pixels, because drivers compile a shader at its first use.
+  /// Runs each shader once, on a few pixels, because drivers compile a shader when it is first used.
   Status warm_up(const PictureShape& shape);
   /// Takes a new frame, and shows it from its own eye. Errors: kSystem if the graphics card refuses the picture.
   Status take(const DisplayFrame& frame);
-  /// Shows the newest frame from an eye that has moved by `eye_m` (ReprojectionMesh::move()); zero: from its own.
-  /// Precondition: take(frame) was the last; frame.mesh is set unless the move is zero. Errors: likewise.
+  /// Shows the newest frame from an eye that has moved by `eye_m` (ReprojectionMesh::move()); zero: from its own eye.
+  /// Precondition: the last take() was of `frame`; frame.mesh is set unless the move is zero. Errors: those of take().
   Status move(const DisplayFrame& frame, const Eigen::Vector3d& eye_m);
-  /// Lets the next frame be shown as it comes.
+  /// Forgets earlier frames, so that the next frame is shown unchanged.
   void forget() { reuse_.forget(); }
 
   [[nodiscard]] const PanoramaTexture& panorama() const { return panorama_; }

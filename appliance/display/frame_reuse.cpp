@@ -35,8 +35,8 @@ void main() {
   at = vec3(before.xy * before_per_px.xy + before_per_px.zw, before.z);
 }
 )";
-// The filter is that of Catmull and Rom, without its four corners, which have less than a hundredth of the weight: a
-// bilinear one would soften the picture anew for each frame.
+// The filter is that of Catmull and Rom, without its four corners, which have less than a hundredth of the weight. A
+// bilinear filter would soften the picture again with each frame.
 constexpr const char* kFragmentShader = R"(
 uniform LIGHT newest;
 uniform LIGHT earlier;

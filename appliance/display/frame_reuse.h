@@ -8,33 +8,36 @@
 
 namespace cyclorama::display {
 
-/// Reuses what earlier frames showed of the surfaces that a new frame shows, so that noise and stair-steps, which differ
-/// between frames, average out, and no frame differs much from the one before.
+/// Reuses what earlier frames showed of the surfaces that a new frame shows, so that noise and stair-steps, which
+/// differ between frames, average out, and no frame differs much from the one before.
 ///
 ///     earlier frames, seen from the new eye ──▶ limited to the new pixel's neighbours ──▶ 1 - share ─┐
 ///     new frame ────────────────────────────────────────────────────────────────────────▶   share ─▶ + ──▶ its light
 ///
-/// The new frame's share is a quarter where the eye's move shifts nothing, and more with the shift, since coarse depth is
-/// never exact and the errors of many moves blur a texture. A pixel of the new frame is found in the earlier ones by its depth. It takes nothing from them where they showed
-/// another surface, by their own depth; and never anything brighter or darker than the 3x3 new pixels around it, by more
-/// than a tolerance: what only seems to be the same (mirror images, another scene) ends with the frame that shows it.
+/// The new frame's share is a quarter where the eye's move shifts nothing, and grows with the shift, since coarse depth
+/// is never exact and the errors of many moves blur a texture. A pixel of the new frame is found in the earlier frames
+/// by its depth. It takes nothing from an earlier frame that, by that frame's own depth, showed another surface there,
+/// and nothing brighter or darker than the 3x3 new pixels around it by more than a tolerance. A false match (a mirror
+/// image, another scene) therefore leaves hardly a trace in the new frame.
 /// Source: Yang, Liu and Salvi, "A Survey of Temporal Antialiasing Techniques", Computer Graphics Forum 39(2), 2020.
 ///
-/// Thread-bound to the GL context; borrows the Gl table. After the first frames of the largest size it allocates nothing.
+/// Thread-bound to the GL context; borrows the Gl table. After the first frames of the largest size it allocates
+/// nothing.
 class FrameReuse {
  public:
   /// Errors: kSystem if the driver's compiler refuses the shader, with its message.
   static Result<FrameReuse> make(const output::Gl& gl, Texels texels);
 
-  /// Returns whether `frame` can reuse what was remembered: both have depth, were seen from eyes less than kMaxMove_m
-  /// apart, but not from the same eye with the same heading. Such a frame refines the one before, and is shown as it came.
+  /// True if `frame` can reuse the remembered frame: both have depth, and their eyes are less than kMaxMove_m apart.
+  /// False for a frame with the same eye and heading: it refines the remembered frame and is shown unchanged.
   [[nodiscard]] bool is_useful_for(const DisplayFrame& frame) const;
-  /// Replaces the light of `frame`, which `panorama` has uploaded, after it kept that of the remembered frame.
-  /// Precondition: is_useful_for(frame). Errors: kSystem if the graphics card refuses the buffers.
+  /// Replaces the light of `frame` in `panorama` by the mean of it and of the remembered frame's light. Preconditions:
+  /// is_useful_for(frame), and `panorama` kept the remembered frame's light before it uploaded `frame`. Errors: kSystem
+  /// if the graphics card refuses the buffers.
   Status add_earlier(const DisplayFrame& frame, PanoramaTexture* panorama);
-  /// Remembers what the next frame needs to know of this one.
+  /// Keeps the parts of `frame` that the next frame reuses.
   Status remember(const DisplayFrame& frame);
-  /// Lets the next frame be shown as it comes.
+  /// Forgets earlier frames, so that the next frame is shown unchanged.
   void forget() { before_.reset(); }
 
  private:
@@ -57,8 +60,8 @@ class FrameReuse {
   const output::Gl* gl_;
   output::GlProgram program_;
   MeshBuffers buffers_;
-  output::GlBuffer parallax_;  // One float for each vertex.
-  output::GlTexture depth_;    // The remembered frame's cells.
+  output::GlBuffer parallax_;  // Parallax, one float for each vertex.
+  output::GlTexture depth_;    // Inverse depth of the remembered frame, cell by cell.
   int depth_width_ = 0;
   int depth_height_ = 0;
   int depth_cells_across_ = 0;

@@ -16,7 +16,7 @@ constexpr int kResponseSteps = HeadUpload::kResponseSteps;
 
 GLsizeiptr byte_count(const auto& values) { return static_cast<GLsizeiptr>(values.size() * sizeof(values[0])); }
 
-/// Tests whether positions beyond the picture, or across a whole turn's seam, need more than the sampler's clamping.
+/// True if positions beyond the picture, or across a whole turn's seam, need more than the sampler's clamping.
 bool needs_edges(const TurnedPicture& turned) {
   const PanoramaTexture& picture = *turned.picture;
   const auto* const panorama = std::get_if<Panorama>(&picture.shape());
@@ -25,7 +25,7 @@ bool needs_edges(const TurnedPicture& turned) {
          picture.texture_height() != height_px(picture.shape());
 }
 
-/// Uploads a texture of one value per pixel of the head, read at pixel centres.
+/// Uploads a texture of one or two values per pixel of the head, read at pixel centres.
 void upload_nearest(const output::Gl& gl, const output::GlTexture& texture, GLint kept_as, GLenum channels, int width,
                     int height, const std::vector<float>& values) {
   gl.BindTexture(GL_TEXTURE_2D, texture.id());
@@ -44,7 +44,7 @@ Eigen::Matrix3d turning(const PictureShape& shape, double turn_rad, const Eigen:
   const Eigen::Matrix3d turn =
       R.transpose() * Eigen::AngleAxisd(-turn_rad, Eigen::Vector3d::UnitY()).toRotationMatrix() * R;
   if (std::holds_alternative<Fisheye>(shape)) return turn;
-  Eigen::Matrix3d to_texture;  // Maps a direction (x, y, z), whose position is x / -z and y / -z.
+  Eigen::Matrix3d to_texture;  // Maps a direction (x, y, z) with the position (x / -z, y / -z).
   to_texture << per_position.x(), 0.0, -at_origin.x(), 0.0, per_position.y(), -at_origin.y(), 0.0, 0.0, -1.0;
   return to_texture * turn * Eigen::Vector3d(1.0, 1.0, -1.0).asDiagonal();
 }
@@ -58,7 +58,8 @@ Texels texels_for(const output::Gl& gl, const std::vector<HeadPlan>& plans) {
   if (!is_software_renderer(gl.renderer()) || !is_plain) return Texels::kHalves;
   HeadFeatures features;
   features.texels = Texels::kPacked;
-  return HeadProgram::make(gl, features) ? Texels::kPacked : Texels::kHalves;  // Not available with OpenGL ES 3.0.
+  // kPacked is not available with OpenGL ES 3.0.
+  return HeadProgram::make(gl, features) ? Texels::kPacked : Texels::kHalves;
 }
 
 HeadPainter::HeadPainter(const output::Gl& gl, const HeadUpload& upload, Texels texels)
@@ -139,7 +140,7 @@ void HeadPainter::upload_textures(const HeadUpload& upload) {
   };
   per_pixel(mask_, upload.mask.channels == 2 ? GL_RG16F : GL_R16F, upload.mask);
   per_pixel(map_, GL_RG32F, upload.map);
-  if (upload.packing) {  // The second eye's pixels begin where the first one's end.
+  if (upload.packing) {  // The second eye's pixels begin where the first eye's end.
     for (const output::GlTexture* const texture : {&mask_, &map_}) {
       gl_->BindTexture(GL_TEXTURE_2D, texture->id());
       gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
@@ -171,7 +172,7 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
     constexpr double kFirst = PanoramaTexture::kFirstColumn;
     // The right eye's picture lies below the left eye's.
     const double first_row = eye == Eye::kRight && turned.picture->stacked() == 2 ? height_px(shape) : 0;
-    // Scale and offset from across and up to the texture.
+    // Scale and offset from a position (across, up) to the texture.
     Eigen::Vector2d per_position(scale.u_per_across / width, scale.v_per_up / height);
     Eigen::Vector2d at_origin((scale.u_offset + shift_px + kFirst - zero) / width,
                               (scale.v_offset + first_row - zero) / height);
@@ -190,7 +191,7 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
     set(uniforms.to_texture, per_position.x(), per_position.y(), at_origin.x(), at_origin.y());
     if (panorama == nullptr) {
       const Eigen::Matrix3f matrix = turning(shape, turned.yaw_shift_rad, per_position, at_origin).cast<float>();
-      gl_->UniformMatrix3fv(uniforms.turned, 1, GL_FALSE, matrix.data());  // Column by column, as in GL.
+      gl_->UniformMatrix3fv(uniforms.turned, 1, GL_FALSE, matrix.data());  // Column by column, as GL expects.
     }
     const double beyond = wraps ? 0.5 : -0.5;  // The outer columns of a whole turn repeat the opposite side.
     set(uniforms.edges, (kFirst - beyond - zero) / width, (first_row + 0.5 - zero) / height,

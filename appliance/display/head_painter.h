@@ -9,8 +9,8 @@
 
 namespace cyclorama::display {
 
-/// Returns the texel format with which every 8-bit code value stays correct within one: packed if a processor renders,
-/// which is fastest with it, unless a head's matrix, black lift or response needs more.
+/// Returns the fastest texel format that keeps every 8-bit code value correct within one: kPacked on a software
+/// renderer, unless a head's depth, matrix, black lift or response needs more; else kHalves.
 [[nodiscard]] Texels texels_for(const output::Gl& gl, const std::vector<HeadPlan>& plans);
 
 /// A picture, and how far the visitor has turned to the right since its view was requested. A panorama moves to the
@@ -24,43 +24,44 @@ struct TurnedPicture {
 /// Draws the picture for one projector: pass 2. Thread-bound to the GL context; borrows the Gl table and the programs.
 class HeadPainter {
  public:
-  /// Makes a painter for pictures of `texels`. If `programs` holds the needed ones, only the driver allocates. Errors:
-  /// kSystem if the graphics card refuses the textures or buffers.
+  /// Makes a painter for pictures in the format `texels`. If `programs` already holds the programs that it needs, only
+  /// the driver allocates. Errors: kSystem if the graphics card refuses the textures or buffers.
   static Result<HeadPainter> make(const output::Gl& gl, HeadPrograms* programs, const HeadUpload& upload,
                                   Texels texels);
   static Result<HeadPainter> make(const output::Gl& gl, HeadPrograms* programs, const HeadPlan& plan, Texels texels) {
     return make(gl, programs, HeadUpload(plan), texels);
   }
 
-  /// Sets the depth of the code values; the plan's is used until another device is connected. Precondition: in [1, 16].
+  /// Replaces the plan's number of bits per code value, after another device was connected. Precondition: in [1, 16].
   void set_depth(int depth_bits);
 
-  /// Draws into the bound framebuffer. Pixels that the warp leaves out become black. Positions beyond the picture show
-  /// its edge; a panorama of a whole turn has no edge in azimuth. A stereo head shows both eyes, or `now` if they
-  /// alternate; a picture for one eye is shown to both. Precondition: the pictures have the plan's kind and tilt.
+  /// Draws into the bound framebuffer. Pixels without a position in the warp become black. Positions beyond the picture
+  /// show its edge; a panorama of a whole turn has no edge in azimuth. A stereo head shows both eyes' pictures, or only
+  /// that of `now` if the eyes alternate; a picture for one eye is shown to both. Precondition: the pictures have the
+  /// kind and tilt of the plan's picture.
   void draw(const TurnedPicture& shown, Eye now = Eye::kLeft) const;
   /// Draws two pictures, mixed in linear light: `fade` in [0, 1] is the share of `other`.
   void draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now = Eye::kLeft) const;
-  /// Draws like draw() with `fade`, blended over the present content.
+  /// Draws like draw() with `fade`, but blends the result over the framebuffer's content.
   void draw_over(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const;
-  /// Draws with every program once, since drivers compile a program at its first use.
+  /// Draws with every program once, because drivers compile a program when it is first used.
   void warm_up(const TurnedPicture& shown, const TurnedPicture& other, const std::function<void()>& stepped) const;
-  /// Returns whether the eyes alternate, so that the drawing depends on the refresh.
+  /// True if the eyes alternate, so that the drawing depends on the refresh.
   [[nodiscard]] bool takes_turns() const { return packing_ == StereoPacking::kFrameSequential; }
 
  private:
-  /// Triangles that share their programs. Where the mask is 1 in a whole triangle, it is not sampled.
+  /// Triangles drawn with the same programs. Triangles on which the mask is 1 everywhere do not sample it.
   struct Part {
-    /// Indexed by whether the picture's edges matter, and whether two pictures are mixed.
+    /// Indexed by whether the picture's edges must be respected, and whether two pictures are mixed.
     std::array<std::array<const HeadProgram*, 2>, 2> programs{};
-    GLsizei first = 0;  ///< First index.
+    GLsizei first = 0;  ///< Position of the part's first index in the index buffer.
     GLsizei count = 0;
   };
   HeadPainter(const output::Gl& gl, const HeadUpload& upload, Texels texels);
   void upload_triangles(const HeadUpload& upload);
   void upload_textures(const HeadUpload& upload);
   void clear() const;
-  /// `edges`: whether the pictures' edges must be respected.
+  /// `edges`: the pictures' edges must be respected.
   void draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges, Eye now) const;
   void draw_for(Eye eye, const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges) const;
   void use(const HeadProgram& program, const TurnedPicture& shown, const TurnedPicture* other, double fade,
@@ -80,7 +81,7 @@ class HeadPainter {
   output::GlTexture map_;
   output::GlTexture response_;
   Texels texels_;
-  std::array<Part, 2> parts_;  // Fully lit triangles, then masked ones.
+  std::array<Part, 2> parts_;  // Fully lit triangles, then those that need the mask.
 };
 
 }  // namespace cyclorama::display

@@ -10,11 +10,11 @@ namespace {
 // each pixel.
 //
 // A direction (x, y, z) has the fisheye position p = (a / sin a) * (x, y), where a is its angle from the axis. With t
-// the square of sin(a / 2), the direction is (s sqrt(1 - t) p, 2 t - 1), where t = (s a / 2)^2 and s = sin(a / 2) / (a
-// / 2) is a polynomial in (a / 2)^2 up to a half turn (error 6e-9). In reverse, t = (1 + z) / 2, and a / 2 = asin(sqrt
-// t), where asin(sqrt t) / sqrt t is a polynomial in t up to 1/2 (error 2e-8); beyond, it is a quarter turn minus the
-// same of 1 - t. Both interpolate at Chebyshev's nodes. GLSL's own sine and arc tangent have errors of many pixels on
-// some cards.
+// the square of sin(a / 2), the direction is (s sqrt(1 - t) p, 2 t - 1), where t = (s a / 2)^2 and
+// s = sin(a / 2) / (a / 2) is a polynomial in (a / 2)^2 up to a half turn (error 6e-9). In reverse, t = (1 + z) / 2,
+// and a / 2 = asin(sqrt t), where asin(sqrt t) / sqrt t is a polynomial in t up to 1/2 (error 2e-8); beyond that, it is
+// a quarter turn minus the same expression for 1 - t. Both interpolate at Chebyshev's nodes. GLSL's own sine and arc
+// tangent have errors of many pixels on some cards.
 constexpr const char* kWarpSource = R"(
 #extension GL_NV_shader_noperspective_interpolation : enable
 precision highp float;

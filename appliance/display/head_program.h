@@ -11,7 +11,7 @@ namespace cyclorama::display {
 
 /// Effect of a turn on a picture's positions (common/geometry/picture_place.h).
 enum class YawCorrection {
-  kShift,    ///< Panorama: all positions shift alike.
+  kShift,    ///< Panorama: all positions move by the same amount.
   kFlat,     ///< Perspective: a homography; straight lines stay straight.
   kFisheye,  ///< Fisheye: each position moves along a curve.
 };
@@ -23,7 +23,7 @@ enum class WarpKind {
   kPixelMap,   ///< A texture.
 };
 
-/// Tasks of pass 2 for some triangles of a head; anything else is not compiled in.
+/// Features of pass 2 that a group of a head's triangles needs; only these are compiled in.
 struct HeadFeatures {
   YawCorrection turning = YawCorrection::kShift;
   WarpKind warp_kind = WarpKind::kTriangles;
@@ -32,16 +32,16 @@ struct HeadFeatures {
   bool mask = false;
   bool black_lift = false;  ///< Black lift is added; needs `mask`, whose second channel holds it.
   bool matrix = false;
-  bool response = false;  ///< A table of code values; else sRGB.
+  bool response = false;  ///< The code values come from a table; false: from the sRGB curve.
   bool dither = false;
   bool fade = false;  ///< Two pictures are mixed.
 
   friend auto operator<=>(const HeadFeatures&, const HeadFeatures&) = default;
 };
 
-/// Pass 2's shader with a set of features. Per pixel it computes the position in the picture, the light there, filtered
-/// in linear light (half floats by the card, whose weights may have as few as 8 bits, a 256th of a pixel; packed texels
-/// by the shader), then mask, matrix, black lift, response and dither. Thread-bound to the GL context.
+/// Pass 2's shader with a set of features. For each pixel it computes the position in the picture and reads the light
+/// there, filtered linearly (half floats by the card, whose filter weights may have as few as 8 bits; packed texels by
+/// the shader). Then it applies mask, matrix, black lift, response and dither. Thread-bound to the GL context.
 class HeadProgram {
  public:
   /// Errors: kSystem if the driver's compiler refuses the shader, with its message.
@@ -49,9 +49,9 @@ class HeadProgram {
 
   enum Unit : GLint { kPicture, kOther, kMask, kMap, kResponse };
   static constexpr GLuint kPosition = 0;  ///< Attribute: position in clip space.
-  /// Attribute: azimuth and tangent of elevation, or another projection's position. kPatches: s, t.
+  /// Attribute: azimuth and tangent of elevation, or the position in another projection. With kPatches: s, t.
   static constexpr GLuint kDirection = 1;
-  /// kPatches, three attributes: coefficients of 1 and s, of t and s^2, of s t and t^2.
+  /// Three attributes, only with kPatches: coefficients of 1 and s, of t and s^2, of s t and t^2.
   static constexpr GLuint kTerms = 2;
 
   [[nodiscard]] const HeadFeatures& features() const { return features_; }
@@ -59,20 +59,21 @@ class HeadProgram {
 
   /// Uniforms of one of the two pictures.
   struct Picture {
-    /// Position in the texture = direction * xy + zw; x in turns if the picture is a whole turn.
+    /// The position in the texture is direction * xy + zw; x counts whole turns if the picture is a whole turn.
     GLint to_texture = -1;
-    GLint turned = -1;     ///< kFlat: maps (position, 1) to the texture, homogeneous; kFisheye: rotates directions.
-    GLint turn = -1;       ///< x: 1 for a whole turn, else 0; then x = fract(x) * y + z.
-    GLint edges = -1;      ///< Minimum x, y, maximum x, y.
-    GLint per_texel = -1;  ///< kPacked: 1 / the texture's size.
+    /// With kFlat: maps (position, 1) to the texture, homogeneously. With kFisheye: rotates directions.
+    GLint turned = -1;
+    GLint turn = -1;       ///< x is 1 for a whole turn, else 0. For a whole turn, the texture's x is fract(x) * y + z.
+    GLint edges = -1;      ///< Minimum x and y, then maximum x and y.
+    GLint per_texel = -1;  ///< With kPacked: 1 / the texture's size.
   };
   Picture picture;
   Picture other;
   GLint fade = -1;      ///< Share of the other picture.
   GLint per_px = -1;    ///< 1 / the head's size.
-  GLint matrix = -1;    ///< Column by column.
-  GLint black = -1;     ///< Linear light.
-  GLint response = -1;  ///< Scale and offset of the table: (steps - 1) / steps, 0.5 / steps.
+  GLint matrix = -1;    ///< Colour matrix, column by column.
+  GLint black = -1;     ///< Black level of the other projectors, in linear light.
+  GLint response = -1;  ///< Scale and offset from light to the table: (steps - 1) / steps, 0.5 / steps.
   GLint step = -1;      ///< Step of the output's code values; 1 / 255 for 8 bits.
 
  private:

@@ -10,9 +10,9 @@
 namespace cyclorama::display {
 namespace {
 
-constexpr std::size_t kSteps = 2048;  // Steps of the light's root: a code value is at least 2 of them.
+constexpr std::size_t kSteps = 2048;  // Steps of the light's square root; a code value covers at least two of them.
 
-/// IEC 61966-2-1.
+/// Returns the linear light of each sRGB code value (IEC 61966-2-1).
 const std::array<float, 256>& light_of_code() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> made{};

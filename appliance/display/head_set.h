@@ -12,7 +12,7 @@ namespace cyclorama::display {
 
 using HeadPlans = std::shared_ptr<const std::vector<HeadPlan>>;
 
-/// Plans and painters of all heads, on the way to the presenter and, once replaced, back to be freed.
+/// Plans and painters of all heads. They are passed to the presenter and, once replaced, passed back to be freed.
 struct HeadSet {
   explicit HeadSet(HeadPlans of) : plans(std::move(of)) {
     uploads.reserve(plans->size());
@@ -22,15 +22,15 @@ struct HeadSet {
 
   HeadPlans plans;
   std::vector<HeadUpload> uploads;
-  std::vector<HeadPainter> painters;  ///< Made by the presenter; empty on the way there and back.
-  /// Frames with a greater DisplayFrame::order have all parts decoded that these heads show. With older frames the set
-  /// is not used before `latest_at`.
+  std::vector<HeadPainter> painters;  ///< Made and destroyed by the presenter; empty elsewhere.
+  /// Frames with a greater DisplayFrame::order have all parts decoded that these heads show. While an older frame is
+  /// shown, the set is not used before `latest_at`.
   std::uint64_t needs_frames_after = 0;
   TimePoint latest_at{};
 };
 
-/// `wanted` goes in: heads to draw with from now on, the newest wins. `replaced` comes out: the former ones; until they
-/// are freed, no others are taken.
+/// Passes heads to the presenter (`wanted`: the heads to draw with from now on; a newer set replaces one that was not
+/// taken) and back from it (`replaced`: the former heads; until they are freed, the presenter takes no others).
 struct HeadMailbox {
   AtomicSlot<HeadSet> wanted;
   AtomicSlot<HeadSet> replaced;

@@ -59,7 +59,7 @@ void HeadTransition::draw(std::size_t head, const TurnedPicture& shown, const Tu
   const HeadPainter& painter = now_->painters[head];
   const bool is_blending = next_ != nullptr && began_at_ != TimePoint{};
   if (is_blending) {
-    // Mixes code values instead of light, since both are nearly the same.
+    // Mixes code values instead of light, since the two pictures are nearly the same.
     const auto of_next = static_cast<float>(share_);
     gl_.Enable(GL_BLEND);
     gl_.BlendColor(0.0f, 0.0f, 0.0f, 1.0f - of_next);

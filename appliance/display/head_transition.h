@@ -16,27 +16,27 @@ namespace cyclorama::display {
 ///        ▲                                                                               │ (or it takes too long)
 ///        └──────────── the old set goes back to be freed ◀── half a second of both ◀─────┘
 ///
-/// Thread-bound to the GL context. A change allocates nothing, except for shaders that no head has needed before and
-/// for the driver's own needs.
+/// Thread-bound to the GL context. A change allocates nothing, except shaders that no head has needed before and
+/// whatever the driver allocates.
 class HeadTransition {
  public:
   /// Borrows the Gl table and the mailbox. Errors: kSystem if the graphics card refuses a resource.
   static Result<std::unique_ptr<HeadTransition>> make(const output::Gl& gl, Texels texels, HeadPlans plans,
                                                       HeadMailbox* mailbox);
 
-  /// Does one refresh's step; `newest_frame` is the DisplayFrame::order of the frame that is shown, 0 for the display's
-  /// own picture. Returns true if the heads must be drawn again. Errors: kSystem if the graphics card refuses a
-  /// resource.
+  /// Advances by one refresh. `newest_frame` is the DisplayFrame::order of the frame that is shown, or 0 for the
+  /// display's own picture. Returns true if the heads must be drawn again. Errors: kSystem if the graphics card refuses
+  /// a resource.
   Result<bool> step(TimePoint now, std::uint64_t newest_frame);
 
   [[nodiscard]] const std::vector<HeadPainter>& painters() const { return now_->painters; }
-  /// Draws a head's present picture into its framebuffer, which is bound; same as HeadPainter::draw().
+  /// Draws a head's present picture (see HeadPainter::draw()). Precondition: the head's framebuffer is bound.
   void draw(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, double share, Eye eye) const;
   [[nodiscard]] std::size_t count() const { return depths_bits_.size(); }
   [[nodiscard]] int depth_bits(std::size_t head) const { return depths_bits_[head]; }
   void set_depth(std::size_t head, int depth_bits);
-  /// Makes the driver compile the programs that the head needs, in the head's framebuffer, which is bound. With
-  /// `may_change` these include the programs for a transition between two sets of painters.
+  /// Makes the driver compile the programs that the head needs. With `may_change` these include the programs for a
+  /// transition between two sets of painters. Precondition: the head's framebuffer is bound.
   void warm_up(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, bool may_change,
                const std::function<void()>& stepped) const;
   /// Returns the newest set's plans, for the next presenter.
@@ -52,11 +52,11 @@ class HeadTransition {
   HeadPrograms programs_;
   Texels texels_;
   HeadMailbox& mailbox_;
-  std::vector<int> depths_bits_;  // Bits that the painters dither to.
+  std::vector<int> depths_bits_;  // Bits per code value, to which the painters dither.
   std::unique_ptr<HeadSet> now_;
-  std::unique_ptr<HeadSet> next_;  // Null except during a change.
-  TimePoint began_at_{};           // Start of the blend; zero: not yet.
-  double share_ = 0.0;             // Share of the next set.
+  std::unique_ptr<HeadSet> next_;  // Null except during a transition.
+  TimePoint began_at_{};           // Time when the blend began; zero: it has not begun.
+  double share_ = 0.0;             // Share of the next set in the blend.
 };
 
 }  // namespace cyclorama::display

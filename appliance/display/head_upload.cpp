@@ -25,7 +25,8 @@ std::vector<float> corners_of(const warp::WarpMesh& mesh) {
   return corners;
 }
 
-/// Returns the rectangle of all pixels that the mask does not blacken or that get a black lift; empty if there is none.
+/// Returns the rectangle around all pixels that the mask does not blacken or that get a black lift; empty if there is
+/// none.
 PixelRect lit_part(const warp::MaskImage& mask, const warp::BlackLiftImage* black_lift) {
   int left = mask.width();
   int right = 0;
@@ -77,7 +78,7 @@ void add_corners(const warp::WarpPatches& warp, const LitRect& rect, std::vector
   }
 }
 
-/// `values(x, y)` appends a pixel's values; GL counts rows from the bottom.
+/// Returns all pixels' values, rows from the bottom as GL counts them. `values(x, y, rows)` appends those of one pixel.
 std::vector<float> upside_down(int width, int height, const auto& values) {
   std::vector<float> rows;
   for (int y = height - 1; y >= 0; --y) {

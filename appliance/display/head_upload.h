@@ -13,30 +13,30 @@
 
 namespace cyclorama::display {
 
-/// One projector's drawing: the positions of its pixels, their brightness, and the code values of its light. With two
-/// eyes all this refers to the pixels that one eye gets of the head (lens_of_eye()) and holds for both: a pixel lights
-/// one position on the wall, whichever eye's picture it shows.
+/// Plan of one projector's drawing: the positions of its pixels in the picture, their brightness, and the code values
+/// of their light. In stereo, everything refers to the head's pixels for one eye (lens_of_eye()) and holds for both
+/// eyes: a pixel lights one position on the wall, whichever eye's picture it shows.
 struct HeadPlan {
   warp::Warp warp;
-  warp::MaskImage mask;       ///< Has the head's size.
-  warp::HeadColour colour{};  ///< A black lift has the head's size.
+  warp::MaskImage mask;       ///< Must have the head's size.
+  warp::HeadColour colour{};  ///< If there is a black lift, it must have the head's size.
   int depth_bits = 8;         ///< Bits of the output's code values per channel.
   bool is_dithered = true;
-  PictureShape picture = Panorama{};       ///< Picture that the warp refers to; only its kind and tilt count.
-  /// Absent: the picture is for one eye; a stereo picture then shows that of the left eye.
+  PictureShape picture = Panorama{};  ///< Picture that the warp refers to; only its kind and tilt matter.
+  /// Absent: the head shows one picture; of a stereo picture, that of the left eye.
   std::optional<StereoPacking> packing{};
 };
 
-/// A plan in the form that the graphics card takes: all of a painter's preparation that needs no card, for a thread
-/// that may take its time. A value.
+/// A plan in the form that the graphics card takes. Making it needs no card, so that a thread without deadlines can do
+/// it. A value.
 struct HeadUpload {
-  /// Preconditions: the plan's images have one size, its response is valid, its picture is not equirectangular.
+  /// Preconditions: the plan's images have the same size, its response is valid, its picture is not equirectangular.
   explicit HeadUpload(const HeadPlan& plan);
 
-  /// A texture of one or two values per pixel of the head; rows from the bottom.
+  /// A texture with one or two values per pixel of the head, in rows from the bottom.
   struct PerPixel {
     int channels = 1;
-    std::vector<float> values;  ///< Empty: not needed.
+    std::vector<float> values;  ///< Empty: the texture is not needed.
   };
 
   int width_px;
@@ -44,18 +44,18 @@ struct HeadUpload {
   PictureShape picture;
   std::optional<StereoPacking> packing;
   int depth_bits;
-  warp::HeadColour colour;     ///< Matrix and black levels.
-  HeadFeatures features;       ///< Except `mask`, `edges`, `fade` and `texels`.
-  std::vector<float> corners;  ///< Per vertex: position in clip space and in the picture; on patches their terms too.
+  warp::HeadColour colour;     ///< Only the matrix and the black levels.
+  HeadFeatures features;       ///< All but `mask`, `edges`, `fade` and `texels`, which the painter sets.
+  std::vector<float> corners;  ///< Per vertex: position in clip space and in the picture; for patches also their terms.
   bool has_terms = false;
-  std::vector<std::uint32_t> indices;  ///< Triangles that are fully lit, then those that need the mask.
-  std::size_t wholly_lit = 0;          ///< Number of indices of fully lit triangles.
+  std::vector<std::uint32_t> indices;  ///< Corners of fully lit triangles, then those of triangles that need the mask.
+  std::size_t wholly_lit = 0;          ///< Number of indices that belong to fully lit triangles.
   PerPixel mask;
   PerPixel map;
-  std::vector<float> response;  ///< kResponseSteps codes each of red, green and blue; empty: sRGB.
+  std::vector<float> response;  ///< kResponseSteps codes of red, then of green, then of blue; empty: sRGB.
 
-  /// Enough that the nearest step is within a 20th of a code value on an sRGB curve; ./bench.sh display-trade measures
-  /// the alternatives.
+  /// Number of steps of the response. The nearest step is within a 20th of a code value on an sRGB curve; ./bench.sh
+  /// display-trade measures the alternatives.
   static constexpr int kResponseSteps = 4096;
   static constexpr std::size_t kCornerFloats = 4;
   static constexpr std::size_t kTermFloats = 12;

@@ -7,10 +7,10 @@
 
 namespace cyclorama::display {
 
-/// Part of the fragment shaders that write light, in the format of Texels (PACKED if it is kPacked): `written(light)` is
-/// the output, `written_root(root)` the same from the light's square root. `root_at(light, texel)` reads a root back, and
-/// `root_between(light, at, per_texel)` reads between texels, at `at` in texels. Roots are filtered, not light: they are
-/// nearly a picture's codes, and packed texels hold them.
+/// Part of the fragment shaders that write light in the format of Texels (PACKED: kPacked). `written(light)` is the
+/// output value; `written_root(root)` is the same from the light's square root. `root_at(light, texel)` reads a square
+/// root back; `root_between(light, at, per_texel)` interpolates it at the position `at`, in texels. Square roots are
+/// filtered instead of light, because they are close to a picture's code values and packed texels hold them.
 inline constexpr const char* kLightShader = R"(
 precision highp float;
 precision highp int;
@@ -44,7 +44,7 @@ vec3 root_between(LIGHT light, vec2 at, vec2 per_texel) { return sqrt(texture(li
 #endif
 )";
 
-/// `EVEN` marks what a rasteriser may interpolate without dividing by w, which is 1 everywhere.
+/// Defines `EVEN`, which marks values that a rasteriser may interpolate without dividing by w, since w is 1 everywhere.
 inline constexpr const char* kEvenShader = R"(
 #extension GL_NV_shader_noperspective_interpolation : enable
 #ifdef GL_NV_shader_noperspective_interpolation
@@ -54,11 +54,11 @@ inline constexpr const char* kEvenShader = R"(
 #endif
 )";
 
-/// First line of all shaders of a program with kLightShader: textureGather() requires version 3.1.
+/// Returns the first lines of every shader of a program with kLightShader; textureGather() requires version 3.1.
 [[nodiscard]] inline std::string light_shader_version(Texels texels) {
   return texels == Texels::kPacked ? "#version 310 es\n#define PACKED\n" : "#version 300 es\n";
 }
-/// Beginning of such a fragment shader. `extensions` are preprocessor lines.
+/// Returns the beginning of a fragment shader with kLightShader. `extensions` are preprocessor lines.
 [[nodiscard]] inline std::string light_shader_header(Texels texels, const char* extensions = "") {
   return light_shader_version(texels) + extensions + kLightShader;
 }

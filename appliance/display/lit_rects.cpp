@@ -23,7 +23,7 @@ Light light_of(const PixelRect& block, const warp::MaskImage& mask, const warp::
   return min >= 1.0f ? Light::kWhole : Light::kMasked;
 }
 
-/// One patch's blocks, with those that are not yet in a rectangle.
+/// The blocks of one patch that are not yet in a rectangle.
 class Blocks {
  public:
   Blocks(const PixelRect& patch, const warp::MaskImage& mask, const warp::BlackLiftImage* black_lift)
@@ -36,8 +36,8 @@ class Blocks {
     }
   }
 
-  /// Each rectangle begins at the first remaining block, and extends first to the right, then down, while the light is
-  /// of the same kind.
+  /// Cuts the patch into rectangles. Each begins at the first remaining block, and extends first to the right, then
+  /// down, while the light is of the same kind.
   void cut(std::size_t patch, LitRects* ret_rects) {
     for (int row = 0; row < down_; ++row) {
       for (int column = 0; column < across_; ++column) {

@@ -11,20 +11,20 @@
 
 namespace cyclorama::display {
 
-/// Part of a patch.
+/// A rectangle of a patch.
 struct LitRect {
   PixelRect part;         ///< In pixels of the head.
   std::size_t patch = 0;  ///< Index into WarpPatches::patches.
 };
 
-/// A head's patches, cut by the effect of the mask: few rectangles, with edges where rasterisers cut anyway. Areas that
-/// the mask blackens and that get no black lift are left out.
+/// A head's patches, cut into rectangles by the effect of the mask: few rectangles, cut along the tile borders of
+/// rasterisers. Areas that the mask blackens and that get no black lift are omitted.
 struct LitRects {
-  std::vector<LitRect> whole;   ///< The mask is 1 at all their pixels.
-  std::vector<LitRect> masked;  ///< The others.
+  std::vector<LitRect> whole;   ///< The mask is 1 at all of their pixels.
+  std::vector<LitRect> masked;  ///< All others.
 };
 
-/// Precondition: mask, warp and black lift, if there is any, have one size.
+/// Precondition: mask, warp and black lift, if there is any, have the same size.
 [[nodiscard]] LitRects lit_rects(const warp::WarpPatches& warp, const warp::MaskImage& mask,
                                  const warp::BlackLiftImage* black_lift = nullptr);
 

@@ -14,15 +14,15 @@ namespace cyclorama::display {
 /// borrows the Gl table.
 class MeshBuffers {
  public:
-  static constexpr GLuint kTarget = 0;  ///< vec3: across_px, down_px, inverse_m.
-  static constexpr GLuint kSource = 1;  ///< vec2: source_across_px, source_down_px.
+  static constexpr GLuint kTarget = 0;  ///< Attribute vec3: across_px, down_px, inverse_m.
+  static constexpr GLuint kSource = 1;  ///< Attribute vec2: source_across_px, source_down_px.
 
-  /// Leaves its vertex array bound, for further attributes.
+  /// Leaves its vertex array bound, so that the caller can add attributes.
   explicit MeshBuffers(const output::Gl& gl);
 
   /// Binds the vertex array and fills it.
   void upload(const std::vector<ReprojectedVertex>& vertices);
-  /// Precondition: upload() was called since another vertex array was bound.
+  /// Precondition: since the last upload(), no other vertex array was bound.
   void draw(std::span<const std::uint32_t> indices) const;
 
  private:

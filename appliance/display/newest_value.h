@@ -7,9 +7,9 @@
 
 namespace cyclorama::display {
 
-/// Passes the newest of small values from one thread to one other, without a lock or allocation: a new value replaces
-/// one that was not taken. Neither side ever waits. Of its three slots one is written, one is read, and one lies
-/// between.
+/// Passes the newest of many small values from one thread to another, without a lock or allocation: a new value
+/// replaces one that was not taken. Neither side ever waits. There are three slots: one is written, one is read, and
+/// one holds the newest complete value.
 template <typename T>
 class NewestValue {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -17,7 +17,7 @@ struct PresentPlan {
   /// lost.
   std::function<Result<std::unique_ptr<output::Output>>()> open_output;
   std::vector<HeadPlan> heads;
-  bool may_change = false;  ///< Other plans may come by PresentMailbox::plans.
+  bool may_change = false;  ///< Other plans may come through PresentMailbox::plans.
   DisplayFrame attract;     ///< Shown until a frame comes, and when frames fail.
   AttractTimes times;
 };
@@ -25,33 +25,33 @@ struct PresentPlan {
 /// State of the output.
 struct OutputState {
   std::optional<Error> loss;  ///< Set while there is no output.
-  int losses = 0;             ///< Losses since the start.
-  /// Kind of the output opened last, such as "headless EGL"; then what GL reports as its renderer.
+  int losses = 0;             ///< Number of losses since the start.
+  /// Kind of the output that was opened last, such as "headless EGL", and the renderer that GL reports for it.
   std::string kind;
   std::string renderer;
-  int max_side_px = 0;  ///< Maximum side of a picture on its graphics card.
+  int max_side_px = 0;  ///< Maximum side of a picture on the output's graphics card.
 };
 
-/// A presenter on an output that is reopened whenever it is lost, without end: after a reset of the graphics processor,
-/// or if a card disappears. Runs on the present thread.
+/// Runs a presenter on an output, and reopens the output whenever it is lost (after a reset of the graphics processor,
+/// or when a card disappears), for as long as that takes. Runs on the present thread.
 ///
 ///              an error                  the pause is over
-///   showing ─────────────▶ lost, waiting ─────────────────▶ opening ──▶ showing: the frame, the heading and the fade
-///                              ▲                               │         of before, or a frame that came meanwhile
+///   showing ─────────────▶ lost, waiting ─────────────────▶ opening ──▶ showing: the former frame, heading and fade,
+///                              ▲                               │         or a frame that came meanwhile
 ///                              └───── an error: pause doubled ─┘
 ///
 /// Pauses grow from 0.1 s to 5 s, and start over once an output has lasted for 30 s. Keeps Presenter's guarantees about
 /// allocation and locks while an output is open. Borrows the mailbox and the clock. Thread-bound.
 class OutputSupervisor {
  public:
-  /// Opens the output for the first time; a failure is an error here. Errors: those of the output, or of
+  /// Opens the output for the first time; a failure is returned, not retried. Errors: those of the output, or of
   /// Presenter::make().
   static Result<std::unique_ptr<OutputSupervisor>> open(PresentPlan plan, PresentMailbox* mailbox, const Clock* clock);
   OutputSupervisor(const OutputSupervisor&) = delete;
   OutputSupervisor& operator=(const OutputSupervisor&) = delete;
 
-  /// Does one refresh. While there is no output, waits at most 50 ms of the pause between two attempts to open one, or
-  /// makes such an attempt. Returns true if state() changed.
+  /// Does one refresh. While there is no output, it waits for at most 50 ms, or tries to open one if the pause since
+  /// the last attempt is over. Returns true if state() changed.
   bool refresh();
   [[nodiscard]] const OutputState& state() const { return state_; }
 
@@ -64,9 +64,9 @@ class OutputSupervisor {
   PresentMailbox& mailbox_;
   const Clock& clock_;
   OutputState state_;
-  std::optional<PresenterState> showing_;  // Set while nothing is open.
+  std::optional<PresenterState> showing_;  // Set while no output is open.
   std::unique_ptr<output::Output> output_;
-  std::unique_ptr<Presenter> presenter_;  // After the output, so that it is destroyed first.
+  std::unique_ptr<Presenter> presenter_;  // Declared after the output, so that it is destroyed first.
   TimePoint opened_at_{};
   TimePoint try_at_{};
   Duration pause_;

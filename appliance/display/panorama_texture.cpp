@@ -11,7 +11,7 @@
 namespace cyclorama::display {
 namespace {
 
-// Computes the corners of a rectangle from their numbers.
+// Computes a rectangle's corners from the indices of its vertices.
 constexpr const char* kVertexShader = R"(
 precision highp float;
 uniform vec4 place;  // In clip space: left, top, right, bottom.
@@ -104,7 +104,7 @@ Status PanoramaTexture::grow(int width, int height, Light* light) {
   light->height = std::max(height, light->height);
   gl_->ActiveTexture(GL_TEXTURE0);
   gl_->BindTexture(GL_TEXTURE_2D, light->texture.id());
-  // Zeros, since what no frame has drawn may be read beside what one has.
+  // Zeros, since texels that no frame has drawn may be read beside drawn ones.
   const std::vector<std::uint64_t> zeros(static_cast<std::size_t>(light->width) *
                                          static_cast<std::size_t>(light->height));
   if (texels() == Texels::kPacked) {
@@ -190,7 +190,7 @@ void PanoramaTexture::bind_planes() const {
 Status PanoramaTexture::bind_drawn() {
   TRY(grow(light_.width, light_.height, &moved_));
   gl_->BindFramebuffer(GL_FRAMEBUFFER, moved_.target.id());
-  // Drawing needs none, and a smaller one would cut it off.
+  // Drawing from the same eye needs no depth buffer, and a smaller one would cut the picture off.
   gl_->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, 0);
   gl_->Viewport(0, 0, moved_.width, moved_.height);
   return Done{};

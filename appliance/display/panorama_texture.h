@@ -20,7 +20,7 @@ class PictureProgram {
   PictureProgram(output::GlProgram program, Texels texels) : program_(std::move(program)), texels_(texels) {}
   output::GlProgram program_;
   Texels texels_;
-  // The vertex shader computes the corners from their numbers; GL still requires a bound array.
+  // The vertex shader computes the corners from the vertices' indices, but GL still requires a bound array.
   output::GlVertexArray nothing_;
   GLint place_ = -1;
   GLint luma_ = -1;
@@ -28,9 +28,9 @@ class PictureProgram {
   GLint chroma_end_ = -1;
 };
 
-/// Pass 1, once per frame: the newest frame's picture as a texture of light. It has an additional column on each side
-/// of the picture: for a whole turn, the column at the opposite side; otherwise a copy of the edge column, so that
-/// clamping repeats it.
+/// Pass 1, once per frame: the newest frame's picture as a texture of light. The texture has an additional column on
+/// each side of the picture: for a whole turn, a copy of the column at the opposite side; otherwise a copy of the edge
+/// column, so that clamping repeats it.
 ///
 ///     planes ──upload()──▶ light() ──ReprojectionPainter──▶ moved ──▶ id(), for pass 2
 ///                           │  ▲ └──────────── at its own eye ──────────────▲
@@ -43,13 +43,14 @@ class PanoramaTexture {
  public:
   PanoramaTexture(const output::Gl& gl, const PictureProgram& program);
 
-  /// Converts `frame` and binds a framebuffer of its own. Precondition: frame.picture is set and contains frame.stacked
-  /// pictures of frame.shape's size, one above another; if there are two, each has an even height. Errors: kSystem if
-  /// the graphics card refuses the picture (too large); the old picture may be lost.
+  /// Converts `frame` and leaves one of its framebuffers bound. Precondition: frame.picture is set and contains
+  /// frame.stacked pictures of frame.shape's size, one above another; if there are two, each has an even height.
+  /// Errors: kSystem if the graphics card refuses the picture (for example, too large); the former picture may then be
+  /// lost.
   Status upload(const DisplayFrame& frame);
-  /// Converts the planes of the newest frame again. Precondition: upload(frame) was the last.
+  /// Converts the planes of the newest frame again. Precondition: the last upload() was of `frame`.
   void convert(const DisplayFrame& frame) const;
-  /// Shows light() itself again, after another pass drew it from another eye.
+  /// Shows light() itself again, after another pass had drawn it from another eye.
   void show_unmoved() { is_moved_ = false; }
 
   [[nodiscard]] GLuint id() const { return shown().texture.id(); }
@@ -58,29 +59,29 @@ class PanoramaTexture {
   [[nodiscard]] const PictureShape& shape() const { return shape_; }
   /// Number of eyes' pictures; 2: the right eye's lies below the left eye's.
   [[nodiscard]] int stacked() const { return stacked_; }
-  /// Size of the texture in pixels; the picture's first column is its column 1.
+  /// Size of the texture in pixels. The picture's first column is column 1 of the texture.
   [[nodiscard]] int texture_width() const { return shown().width; }
   [[nodiscard]] int texture_height() const { return shown().height; }
   static constexpr int kFirstColumn = 1;
 
-  // For passes between (reprojection_painter.h, frame_reuse.h):
+  // The rest serves passes between pass 1 and pass 2 (reprojection_painter.h, frame_reuse.h):
 
   struct Light {
     output::GlTexture texture;
     output::GlFramebuffer target;
-    int width = 0;  ///< The texture's; the picture is in its upper left corner.
+    int width = 0;  ///< Width of the texture; the picture is in its upper left corner.
     int height = 0;
   };
   /// The newest frame's light from its own eye.
   [[nodiscard]] const Light& light() const { return light_; }
-  /// Puts the newest frame's light aside, before the next upload().
+  /// Keeps the newest frame's light as earlier(); to be called before the next upload().
   void keep() { std::swap(light_, earlier_); }
   [[nodiscard]] const Light& earlier() const { return earlier_; }
-  /// Binds a framebuffer of light()'s size to draw the same frame from another eye, with a depth buffer, and shows that
-  /// light. Errors: kSystem if the driver cannot draw so.
+  /// Binds a framebuffer with a depth buffer, of light()'s size, to draw the same frame from another eye; from now on
+  /// the result is shown. Errors: kSystem if the driver cannot draw into it.
   Status bind_moved();
-  /// Binds the framebuffer of drawn(), at least of light()'s size, to draw the same frame anew; take_drawn() makes that
-  /// the frame's light. Errors: likewise.
+  /// Binds the framebuffer of drawn(), at least of light()'s size, to draw the same frame again; take_drawn() makes the
+  /// result the frame's light. Errors: kSystem if the driver cannot draw into it.
   Status bind_drawn();
   [[nodiscard]] const Light& drawn() const { return moved_; }
   void take_drawn() { std::swap(light_, moved_); }
@@ -88,7 +89,7 @@ class PanoramaTexture {
  private:
   struct Plane {
     output::GlTexture texture;
-    int width = 0;  ///< The texture's; the picture is in its upper left corner.
+    int width = 0;  ///< Width of the texture; the picture is in its upper left corner.
     int height = 0;
   };
   static constexpr GLint kLumaUnit = 0;

@@ -48,7 +48,7 @@ void PatternPainter::upload(std::size_t head, const RgbaImage& picture) {
     return;
   }
   to.has_storage = true;
-  // The default filter needs mipmaps, and there are none.
+  // The default filter would need mipmaps, which this texture lacks.
   gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   gl_->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, to.width_px, to.height_px, 0, GL_RGBA, GL_UNSIGNED_BYTE,

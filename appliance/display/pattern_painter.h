@@ -32,7 +32,7 @@ class PatternPainter {
   };
   const output::Gl* gl_;
   output::GlProgram program_;
-  // The vertex shader computes the corners from their numbers; GL still requires a bound array.
+  // The vertex shader computes the corners from the vertices' indices, but GL still requires a bound array.
   output::GlVertexArray nothing_;
   GLint last_row_ = -1;
   std::vector<Head> heads_;

@@ -93,7 +93,7 @@ bool PatternService::read(grpc::ServerContext* context, Stream* stream, wire::Pa
   return has_order;
 }
 
-/// Takes either all of an order or nothing.
+/// Takes either the whole request or nothing.
 Status PatternService::take(const wire::PatternRequest& order, std::vector<PatternWall::Head>* heads) const {
   std::vector<PatternWall::Head> next = *heads;
   for (PatternWall::Head& head : next) head.is_awaited = false;

@@ -14,23 +14,23 @@
 
 namespace cyclorama::display {
 
-/// Implements calibration.proto's PatternScreen, between its one stream and the presenter. Decodes pictures on gRPC's
-/// threads. Thread-safe, except tend().
+/// Implements calibration.proto's PatternScreen: passes the patterns of its one stream to the presenter. Decodes
+/// pictures on gRPC's threads. Thread-safe, except tend().
 class PatternService final : public wire::PatternScreen::Service {
  public:
-  /// `heads` are those of the output, in order. Borrows the mailbox. A call without an order for `idle` is ended: a
+  /// `heads` are those of the output, in order. Borrows the mailbox. A call without a request for `idle` is ended: a
   /// user who turns the turntable by hand may take time, but a calibration that hangs must not keep the wall from
-  /// visitors. A head that has not shown its pattern within `timeout` makes the call fail.
+  /// visitors. A call fails if a head has not shown its pattern within `timeout`.
   PatternService(std::vector<output::HeadMode> heads, PatternMailbox* mailbox, Duration idle,
                  Duration timeout = std::chrono::seconds(10))
       : heads_(std::move(heads)), mailbox_(*mailbox), idle_(idle), timeout_(timeout) {}
 
-  /// Takes the presenter's reports, frees what it no longer uses, and ends a call that is idle. Called by one thread,
-  /// at each refresh.
+  /// Takes the presenter's reports, frees objects that the presenter no longer uses, and ends a call that is idle.
+  /// Called by one thread, at each refresh.
   void tend();
-  /// Called before the presenter ends; wakes every call that waits for it.
+  /// Wakes every call that waits for the presenter. To be called before the presenter ends.
   void stop();
-  /// Returns whether patterns are shown in place of the show.
+  /// True while patterns are shown instead of the show.
   [[nodiscard]] bool is_open() const { return is_open_; }
 
  private:
@@ -47,12 +47,12 @@ class PatternService final : public wire::PatternScreen::Service {
   const Duration idle_;
   const Duration timeout_;
   std::atomic<bool> is_open_{false};
-  std::uint64_t order_ = 0;  // Order of the newest wall; used by the one stream only.
-  std::mutex mutex_;         // Guards the members below. Never locked by the presenting thread.
+  std::uint64_t order_ = 0;  // PatternWall::order of the newest wall; used by the one stream only.
+  std::mutex mutex_;         // Guards the members below. Never locked by the present thread.
   PatternsShown shown_;
   bool stops_ = false;
-  grpc::ServerContext* waiting_ = nullptr;  // The call that waits for an order; null if none does.
-  TimePoint waits_since_{};                 // Time since which it waits.
+  grpc::ServerContext* waiting_ = nullptr;  // The call that waits for a request; null if none does.
+  TimePoint waits_since_{};                 // Time since which that call waits.
   std::condition_variable changed_;
 };
 

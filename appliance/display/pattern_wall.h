@@ -12,30 +12,30 @@
 
 namespace cyclorama::display {
 
-/// The complete picture of all heads while the wall is measured, not a change to the former one. A value; its pictures
-/// are shared and never change.
+/// The patterns of all heads while the wall is measured: a complete state, not a change to the former one. A value; its
+/// pictures are shared and never change.
 struct PatternWall {
   struct Head {
-    std::shared_ptr<const RgbaImage> picture;  ///< Has the head's size; null: dark.
-    bool is_awaited = false;                   ///< The client waits until the head shows it.
+    std::shared_ptr<const RgbaImage> picture;  ///< Has the head's size; null: the head is dark.
+    bool is_awaited = false;                   ///< The client waits until the head shows the picture.
   };
-  std::uint64_t order = 0;  ///< A greater one is newer.
-  bool is_open = false;     ///< False: the show is back.
-  std::vector<Head> heads;  ///< The output's heads, in order.
+  std::uint64_t order = 0;  ///< A greater value is newer.
+  bool is_open = false;     ///< False: the heads show the tour again.
+  std::vector<Head> heads;  ///< In the order of the output's heads.
 };
 
 /// The newest wall that the presenter took, and the heads that do not show it yet.
 struct PatternsShown {
   std::uint64_t order = 0;
-  std::uint64_t lacking = 0;  ///< Bit i: head i is awaited and does not show it yet (the first 64).
-  TimePoint at{};             ///< Time when the last awaited head showed it.
+  std::uint64_t lacking = 0;  ///< Bit i: head i is awaited and does not show its picture yet (first 64 heads only).
+  TimePoint at{};             ///< Time when the last awaited head showed its picture.
 };
 
-/// Slots between the client of patterns and the presenter, whose side neither blocks nor allocates nor frees.
+/// Slots between the client of patterns and the presenter. The presenter's side neither blocks nor allocates nor frees.
 struct PatternMailbox {
-  AtomicSlot<PatternWall> wanted;    ///< In: the newest wins.
-  AtomicSlot<PatternWall> replaced;  ///< Out, to be freed; no other is taken until then.
-  NewestValue<PatternsShown> shown;  ///< Out.
+  AtomicSlot<PatternWall> wanted;    ///< In: a newer wall replaces one that was not taken.
+  AtomicSlot<PatternWall> replaced;  ///< Out, to be freed; until then the presenter takes no other.
+  NewestValue<PatternsShown> shown;  ///< Out: heads that show their pictures.
 };
 
 }  // namespace cyclorama::display

@@ -10,8 +10,8 @@
 
 namespace cyclorama::display {
 namespace {
-// Less than the service's WatchdogSec, so that the state is reported before the process is killed. A busy, emulated
-// processor with a software renderer takes longer: 20 to 50 s were observed. is_alive() allows for it, since its
+// Less than the service's WatchdogSec, so that the state is reported before the process is killed. On a busy, emulated
+// processor with a software renderer, single steps of 20 to 50 s were observed; is_alive() tolerates them, since
 // earlier steps were slow too.
 constexpr Duration kMaxStep = std::chrono::seconds(20);
 constexpr int kSlower = 4;
@@ -31,8 +31,8 @@ Result<std::unique_ptr<PresentThread>> PresentThread::start(PresentPlan plan, Pr
     pthread_setname_np(pthread_self(), "present");
     self->run(std::move(moved), mailbox, stop);
   });
-  // There is no limit here: a thread that hangs in its driver can only be ended with its process, which is the service
-  // manager's task.
+  // There is no timeout here: a thread that hangs in its driver can only be ended with its process, which is the
+  // service manager's task.
   TimePoint told = mailbox->stepped_at;
   while (started.wait_for(kReportEvery) != std::future_status::ready) {
     const TimePoint stepped = mailbox->stepped_at;
@@ -53,7 +53,7 @@ void PresentThread::run(PresentPlan plan, PresentMailbox* mailbox, const std::st
   while (!stop.stop_requested()) {
     if (supervisor.refresh()) tell(supervisor.state());
     const std::uint64_t one = 1;
-    // A full counter wakes the reader as well.
+    // If the counter is full, the write fails, but the descriptor is readable anyway.
     [[maybe_unused]] const auto n = ::write(event_fd_.get(), &one, sizeof one);
   }
 }

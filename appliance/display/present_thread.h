@@ -13,25 +13,28 @@
 
 namespace cyclorama::display {
 
-/// The thread that owns GL and shows, whatever happens to the output. Thread-bound to the thread that starts it.
+/// The thread that owns GL and shows pictures, even after the output was lost and reopened. Thread-bound to the thread
+/// that starts it.
 class PresentThread {
  public:
-  /// Opens the output and draws nothing yet; blocks until that is done, and calls `on_step`, which may be null, about
-  /// every second in which there was progress (PresentMailbox::stepped_at). Borrows the mailbox and the clock. Errors:
-  /// those of OutputSupervisor::open().
+  /// Opens the output, without drawing yet. Blocks until the output is open, and meanwhile calls `on_step`, which may
+  /// be null, about once for each second in which there was progress (PresentMailbox::stepped_at). Borrows the mailbox
+  /// and the clock. Errors: those of OutputSupervisor::open().
   static Result<std::unique_ptr<PresentThread>> start(PresentPlan plan, PresentMailbox* mailbox, const Clock* clock,
                                                       const std::function<void()>& on_step = nullptr);
-  /// Ends after the present refresh.
+  /// Ends the thread after the present refresh.
   ~PresentThread() = default;
 
-  /// Returns the output's state; null if nothing has changed since the last call. The first is ready after start().
+  /// Returns the output's state; null if it has not changed since the last call. The first state is ready after
+  /// start().
   [[nodiscard]] std::unique_ptr<OutputState> take_state() { return state_.take(); }
   /// Maximum side of a picture on the graphics card. Thread-safe.
   [[nodiscard]] int max_side_px() const { return max_side_px_; }
-  /// Returns false if a step lasts longer than 20 s and longer than four times the longest completed step: the driver
-  /// hangs.
+  /// False if the driver hangs: a step has lasted longer than 20 s and longer than four times the longest completed
+  /// step.
   [[nodiscard]] bool is_alive() const;
-  /// Readable after every refresh in the mailbox, and occasionally without one; for poll(). Reset it with drain().
+  /// File descriptor for poll(): readable after every refresh in the mailbox, and occasionally without one. drain()
+  /// resets it.
   [[nodiscard]] int event_fd() const { return event_fd_.get(); }
   void drain() const;
 
@@ -45,7 +48,7 @@ class PresentThread {
   UniqueFd event_fd_;
   AtomicSlot<OutputState> state_;
   std::atomic<int> max_side_px_{0};
-  std::promise<Status> started_;  // Set when the members above are.
+  std::promise<Status> started_;  // Set once the members above are set.
   std::jthread thread_;           // Last member, so that the thread ends before what it uses.
 };
 

@@ -7,7 +7,8 @@
 
 namespace cyclorama::display {
 namespace {
-// A picture counts as wrong if the visitor has turned by more since; the tour also requests a view for smaller changes.
+// Turn of the visitor since the picture was requested, above which the picture counts as wrong. The tour also requests
+// views for smaller turns.
 constexpr double kSameHeading_rad = 1e-3;
 constexpr GLsizei kWarmUpSide_px = 4;
 }  // namespace
@@ -46,9 +47,9 @@ Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadP
   return presenter;
 }
 
-/// A driver compiles a shader at its first use; this makes it happen here, instead of before a visitor. Only a few
-/// pixels are drawn: 36 whole pictures of a head take a second on a software renderer, and minutes on an emulated
-/// processor.
+/// Makes the driver compile all shaders now, since otherwise it compiles a shader at its first use, in front of a
+/// visitor. Only a few pixels are drawn: 36 whole pictures of a head take a second on a software renderer, and minutes
+/// on an emulated processor.
 Status Presenter::warm_up(bool may_change) {
   TRY(attract_.upload(attract_frame_));
   TRY(light_->warm_up(attract_frame_.shape));
@@ -119,7 +120,7 @@ Status Presenter::refresh() {
   return Done{};
 }
 
-/// Follows the depths of the outputs, since the device on a connector may change while this runs.
+/// Adapts to the bit depths of the outputs, since the device on a connector may change at any time.
 void Presenter::notice_depths() {
   for (std::size_t head = 0; head < heads_->count(); ++head) {
     const output::HeadShown& shown = output_.shown()[head];
@@ -167,7 +168,7 @@ Status Presenter::show_due_frame(RefreshEvent* ret_event) {
   if (next != nullptr) ret_event->frame_due = (*next)->show_at;
   for (std::unique_ptr<DisplayFrame>& frame : waiting_) {
     if (!is_passed_over(frame)) continue;
-    // The frame was overdue from its refresh on, whichever frame is visible now.
+    // The delay counts from the refresh at which the first of these frames was due, whichever frame is visible now.
     if (frame->order > shown && frame->show_at.period_ns == ret_event->frame_due.period_ns) {
       ret_event->frame_due.refresh = std::min(ret_event->frame_due.refresh, frame->show_at.refresh);
     }

@@ -18,25 +18,25 @@
 
 namespace cyclorama::display {
 
-/// Everything that is shown, independent of the output: it survives the loss of one.
+/// Everything that is shown. It does not depend on the output, so it survives the loss of an output.
 struct PresenterState {
-  std::unique_ptr<DisplayFrame> frame;                   ///< Null before the first.
-  std::array<std::unique_ptr<DisplayFrame>, 8> waiting;  ///< Not due yet, in any order.
-  HeadingNow heading;                                    ///< Its order is 0 before the first.
+  std::unique_ptr<DisplayFrame> frame;                   ///< Null before the first frame.
+  std::array<std::unique_ptr<DisplayFrame>, 8> waiting;  ///< Frames that are not due yet, in any order.
+  HeadingNow heading;                                    ///< HeadingNow::order is 0 before the first heading.
   RecentHeadings headings;
   AttractFade fade;
-  std::unique_ptr<PatternWall> patterns;  ///< Null before the first.
-  HeadPlans plans;                        ///< Plans that the heads draw with, or are about to.
+  std::unique_ptr<PatternWall> patterns;  ///< Null before the first patterns.
+  HeadPlans plans;                        ///< Plans that the heads draw with, or will draw with next.
 };
 
-/// Draws and shows; runs on the present thread. On heads where two eyes alternate, refreshes with an even number in the
-/// count of all displays of a tour (synchronised_refresh.h) show the left eye. Thread-bound to the output's GL context.
-/// After warm-up (the first frames of the largest size) it allocates and frees nothing, takes no lock, writes no log
-/// and opens nothing, apart from what the graphics driver does inside.
+/// Draws the heads and shows them; runs on the present thread. On heads where the two eyes alternate, refreshes with an
+/// even number, as all displays of a tour count them (synchronised_refresh.h), show the left eye. Thread-bound to the
+/// output's GL context. After warm-up (the first frames of the largest size) it allocates and frees nothing, takes no
+/// lock, writes no log and opens nothing, apart from what the graphics driver does inside.
 class Presenter {
  public:
   /// Shows `attract` until a frame comes, and when frames fail. `plans` are for the output's heads, in order;
-  /// `may_change`: others may come later (PresentMailbox::plans). Borrows the output, the mailbox and the clock.
+  /// `may_change`: other plans may come later (PresentMailbox::plans). Borrows the output, the mailbox and the clock.
   /// Errors: kSystem if the graphics card refuses a resource.
   static Result<std::unique_ptr<Presenter>> make(output::Output* output, HeadPlans plans, bool may_change,
                                                  const DisplayFrame& attract, const AttractTimes& times,
@@ -49,7 +49,7 @@ class Presenter {
 
   /// Resumes what another presenter showed. Errors: kSystem if the graphics card refuses the frame.
   Status go_on_with(PresenterState showing);
-  /// Moves the state out for the next presenter; afterwards this one may only be destroyed.
+  /// Moves the state out for the next presenter. Afterwards this presenter may only be destroyed.
   [[nodiscard]] PresenterState take_state() {
     return {std::move(frame_),      std::move(waiting_),   heading_, headings_, fade_,
             patterns_->take_wall(), heads_->newest_plans()};
@@ -87,15 +87,15 @@ class Presenter {
   std::vector<RgbaImage> read_backs_;
   AttractFade fade_;
   DisplayFrame attract_frame_;
-  std::unique_ptr<DisplayFrame> frame_;  // Null before the first.
-  // Frames that one refresh passes over, and the one that it replaces, fit into RetiredFrames.
+  std::unique_ptr<DisplayFrame> frame_;  // Null before the first frame.
+  // All frames that one refresh passes over, and the frame that it replaces, fit into RetiredFrames.
   decltype(PresenterState::waiting) waiting_;
   std::uint64_t newest_taken_ = 0;
-  HeadingNow heading_;  // Its order is 0 before the first.
+  HeadingNow heading_;  // HeadingNow::order is 0 before the first heading.
   RecentHeadings headings_;
   SynchronisedRefresh shared_;
   YawShift shift_;
-  Eigen::Vector3d moved_ = Eigen::Vector3d::Zero();  // Move with which light_ is drawn.
+  Eigen::Vector3d moved_ = Eigen::Vector3d::Zero();  // Move of the eye with which light_ is drawn.
   double drawn_share_ = -1.0;
   bool is_drawn_ = false;     // The heads show the present picture.
   bool takes_turns_ = false;  // A head alternates the eyes' pictures at each refresh.

@@ -11,15 +11,15 @@
 
 namespace cyclorama::display {
 
-/// The newest headings, the newest first. A value. No more than these ever wait to be shown: a heading arrives two or
-/// three refreshes ahead, and a tracker sends one or two for each refresh.
+/// The newest headings, newest first. A value. Never more than these wait to be shown: a heading arrives two or three
+/// refreshes ahead, and a tracker sends one or two for each refresh.
 struct RecentHeadings {
   std::array<HeadingNow, 16> headings{};
   std::size_t count = 0;
 };
 
-/// Passes headings to the presenter. A new heading is never lost: only the oldest of the waiting ones are dropped.
-/// Neither side ever waits. Each side on one thread at a time.
+/// Passes headings to the presenter. A new heading is never lost: only the oldest waiting headings are dropped. Neither
+/// side ever waits. Each side uses one thread at a time.
 class HeadingTrack {
  public:
   /// Adds a heading and sets its `order`.

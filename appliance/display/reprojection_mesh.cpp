@@ -13,20 +13,19 @@ namespace {
 
 /// Distance by which the grid extends beyond the picture's edge.
 constexpr float kBeyond_px = 96.0f;
-/// Inverse depth jumps across a quad if its corners differ by more than this share of the largest.
+/// Inverse depth jumps across a quad if its corners differ by more than this share of the largest inverse depth.
 constexpr float kJump = 0.08f;
 constexpr float kMaxStretch = 2.0f;
-/// Position of what no pixel of the other picture shows.
+/// Position of a point that no pixel of the other picture shows.
 constexpr double kNowhere_px = -1e6;
-/// Memory is reserved for the torn quads of a picture in which depth jumps across one quad in this many vertices; few
-/// pictures have more jumps.
+/// Memory is reserved for one quad across which depth jumps per this many vertices; few pictures have more.
 constexpr std::size_t kPerJump = 8;
 constexpr auto kNearest = static_cast<float>(1.0 / kMinDepth_m);
-/// Minimum distance of a vertex in lengths of the eye's move, so that the eye passes through no surface.
+/// Minimum distance of a vertex, as a multiple of the eye's move, so that the eye passes through no surface.
 constexpr float kMinMoves = 1.25f;
 
-/// Positions of the vertices along one side: beyond the edge, on it, in the squares' centres, on the other edge, beyond
-/// that.
+/// Returns the positions of the vertices along one side: beyond the edge, on it, in the squares' centres, on the other
+/// edge, and beyond that edge.
 std::vector<float> places_along(int size_px, int cell_px, bool wraps) {
   const auto size = static_cast<float>(size_px);
   std::vector<float> places;
@@ -45,7 +44,7 @@ struct Place {
   float up = 0.0f;
 };
 
-/// Twice the arc tangent of n, for |n| <= 0.6: an error of at most 2e-5.
+/// Returns twice the arc tangent of n, for |n| <= 0.6, with an error of at most 2e-5.
 float twice_atan(float n) {
   const float s = n * n;
   const float series =
@@ -53,8 +52,8 @@ float twice_atan(float n) {
   return 2.0f * n * series;
 }
 
-/// The three functions return the position of the ray (x, y, z) + (mx, my, mz) less that of (x, y, z). They use plain
-/// arithmetic, so that the compiler vectorises those of the panorama and of the flat picture.
+/// The three functions return the position of the ray (x, y, z) + (mx, my, mz) minus that of (x, y, z). They use plain
+/// arithmetic, so that the compiler vectorises those of the panorama and of the perspective.
 struct MovePanorama {
   static Place place(float x, float y, float z, float mx, float my, float mz) {
     const float flat = std::sqrt(x * x + z * z);
@@ -112,11 +111,11 @@ void move_all(const ReprojectionGrid& grid, const std::vector<float>& inverse_m,
   }
 }
 
-/// Inverse distances, per metre, in the cells' centres. A cell holds its nearest sample, which on a surface seen at a
-/// slant lies at the cell's border; the surface's slope is that towards the flatter neighbour of both, so that it ends at
-/// an edge. Without this, floors would follow the eye too far.
+/// Returns inverse distances, per metre, at the cells' centres. A cell holds its nearest sample, which on a surface
+/// seen at a slant lies at the cell's border. The slope of the surface is taken from the flatter of the two neighbours,
+/// so that it does not extend across an edge. Without this correction, floors would move too far with the eye.
 Image<float, 1> at_centres(const InverseDepthImage& depth) {
-  // From a cell's centre to the middle of its outermost pixel, in cells.
+  // Distance from a cell's centre to the middle of its outermost pixel, in cells.
   constexpr float kReach = 0.5f * (kDepthCellPx - 1) / kDepthCellPx;
   Image<float, 1> centres(depth.width(), depth.height());
   const auto slope = [](int before, int here, int after) {
@@ -204,7 +203,7 @@ ReprojectionMesh::ReprojectionMesh(std::shared_ptr<const ReprojectionGrid> grid,
   find_jumps();
 }
 
-/// The first and the last column are at the same position, so they take the nearer depth of both.
+/// The first and the last column are at the same position, so both take the nearer of their depths.
 void ReprojectionMesh::close_seam() {
   const auto columns = static_cast<std::size_t>(grid_->columns);
   for (std::size_t first = 0; first < inverse_m_.size(); first += columns) {
@@ -288,10 +287,11 @@ void ReprojectionMesh::find_in(const Eigen::Vector3d& eye_m, double turn_rad, Re
   }
 }
 
-/// Sets the positions in the source: a pixel inside the picture, for filters, or those of the grid.
+/// Sets the positions in the source: those of the grid or, with `is_inside`, at least a pixel inside the picture, for
+/// filters.
 void ReprojectionMesh::place_vertices(bool is_inside, ReprojectedPicture* picture) const {
   std::vector<ReprojectedVertex>& vertices = picture->vertices;
-  // Room for as many torn quads as any frame has, so that later ones allocate nothing.
+  // Room for as many torn quads as any frame has, so that later frames allocate nothing.
   const std::size_t room = std::max(jumps(), inverse_m_.size() / kPerJump);
   vertices.reserve(inverse_m_.size() + 8 * room);
   for (std::vector<std::uint32_t>& indices : picture->jumping) indices.reserve(12 * room);
@@ -345,7 +345,7 @@ void ReprojectionMesh::add_jumping(std::size_t eye, ReprojectedPicture* moved) c
   }
 }
 
-/// Two quads replace a torn one. The near one ends where the near cells do, halfway, and moves with them; the far one
+/// Replaces a torn quad by two. The near quad ends halfway, where the near cells end, and moves with them; the far quad
 /// stretches from the far corners to the near ones, with the far cells' colours alone.
 void ReprojectionMesh::tear(const std::array<std::uint32_t, 4>& grid, std::vector<ReprojectedVertex>* vertices,
                             std::vector<std::uint32_t>* indices) const {
@@ -353,7 +353,7 @@ void ReprojectionMesh::tear(const std::array<std::uint32_t, 4>& grid, std::vecto
       grid.begin(), grid.end(), [&](std::uint32_t a, std::uint32_t b) { return inverse_m_[a] < inverse_m_[b]; });
   const float middle = 0.5f * (inverse_m_[*far] + inverse_m_[*near]);
   const auto is_near = [&](std::uint32_t corner) { return inverse_m_[corner] > middle; };
-  std::array<ReprojectedVertex, 8> corners;  // The corners of the far quad, then those of the near one.
+  std::array<ReprojectedVertex, 8> corners;  // The corners of the far quad, then those of the near quad.
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const ReprojectedVertex& own = (*vertices)[grid[i]];
     // The neighbour on the other side of the jump: horizontally or vertically adjacent, or else the farthest or nearest
@@ -368,7 +368,7 @@ void ReprojectionMesh::tear(const std::array<std::uint32_t, 4>& grid, std::vecto
     const float half_across = 0.5f * (other.source_across_px - own.source_across_px);
     const float half_down = 0.5f * (other.source_down_px - own.source_down_px);
     if (is_near(grid[i])) {
-      // Half a pixel less, since colours are filtered.
+      // Half a pixel less, because filters also read the neighbouring pixel.
       const auto inward = [](float half) { return half + std::copysign(std::min(0.5f, std::abs(half)), half); };
       of_far.inverse_m = other.inverse_m;
       of_far.source_across_px += inward(half_across);

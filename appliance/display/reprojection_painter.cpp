@@ -23,7 +23,7 @@ void main() {
 }
 )";
 static_assert(PanoramaTexture::kFirstColumn == 1);
-// The mesh stays a pixel inside its picture, so that no filter reaches beyond.
+// The mesh's positions in the source stay a pixel inside the picture, so that no filter reaches beyond it.
 constexpr const char* kFragmentShader = R"(
 uniform LIGHT source_light;
 uniform vec2 per_texel;

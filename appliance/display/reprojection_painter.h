@@ -14,9 +14,9 @@ class ReprojectionPainter {
   /// Errors: kSystem if the driver's compiler refuses the shader, with its message.
   static Result<ReprojectionPainter> make(const output::Gl& gl, Texels texels);
 
-  /// Shows the light of `panorama`, whose frame `mesh` belongs to, to an eye that has moved by `eye_m`
-  /// (ReprojectionMesh::move()). PanoramaTexture::show_unmoved() takes it back. Errors: kSystem if the graphics card
-  /// refuses the buffers.
+  /// Makes `panorama` show its light from an eye that has moved by `eye_m` (ReprojectionMesh::move()), until
+  /// PanoramaTexture::show_unmoved(). Precondition: `mesh` belongs to the frame in `panorama`. Errors: kSystem if the
+  /// graphics card refuses the buffers.
   Status draw(const ReprojectionMesh& mesh, const Eigen::Vector3d& eye_m, PanoramaTexture* panorama);
   /// Number of torn quads in the last picture.
   [[nodiscard]] std::size_t torn() const { return moved_.torn; }

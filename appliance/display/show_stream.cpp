@@ -16,7 +16,8 @@ ShowStream::ShowStream(const std::shared_ptr<grpc::Channel>& channel, const wire
   wire::DisplayReport first;
   *first.mutable_hello() = hello;
   stub_->async()->Show(&context_, this);
-  // Lasts until OnReadDone reports the end of the stream, since writes also start on threads other than those of gRPC.
+  // The hold lasts until OnReadDone reports the end of the stream, since writes also start on threads other than
+  // gRPC's.
   AddHold();
   StartRead(&message_);
   StartCall();
@@ -88,7 +89,7 @@ void ShowStream::OnDone(const grpc::Status& status) {
   const std::lock_guard lock(mutex_);
   end_ = status.ok() ? Error(ErrorCode::kUnavailable, "showing the tour: the tour closed the stream")
                      : from_grpc(is_given_up_ ? unreadable() : status, "showing the tour");
-  changed_.notify_all();  // Called under the lock, since the destructor frees this as soon as it acquires it.
+  changed_.notify_all();  // Under the lock, since the destructor frees this object as soon as it has the lock.
 }
 
 }  // namespace cyclorama::display

@@ -23,19 +23,19 @@ class ShowStream : private grpc::ClientBidiReactor<wire::DisplayReport, wire::Sh
 
   /// Sends `hello`. `listener` is called on gRPC's threads, one message at a time, until the destructor returns.
   ShowStream(const std::shared_ptr<grpc::Channel>& channel, const wire::DisplayHello& hello, Listener listener);
-  /// Cancels the call, and waits until the listener's last call is over.
+  /// Cancels the call, and waits until the last call of the listener has returned.
   ~ShowStream() override;
   ShowStream(const ShowStream&) = delete;
   ShowStream& operator=(const ShowStream&) = delete;
 
-  /// Queues `report` and sends it when the connection is ready; never blocks. Drops it if 256 reports wait already, or
-  /// the stream is over.
+  /// Queues `report` and sends it when the connection is ready; never blocks. Drops it if 256 reports are queued
+  /// already, or if the stream is over.
   void report(wire::DisplayReport report);
 
-  /// Returns whether the tour has answered.
+  /// True once the tour has answered.
   [[nodiscard]] bool is_up() const;
-  /// Returns why the stream is over; empty while it is not. Call it now and then: it also ends a stream on which the
-  /// tour sent an invalid message.
+  /// Returns why the stream is over; empty while it is not. Must be called regularly: it also ends a stream on which
+  /// the tour sent an invalid message.
   [[nodiscard]] std::optional<Error> end();
 
  private:
@@ -53,7 +53,7 @@ class ShowStream : private grpc::ClientBidiReactor<wire::DisplayReport, wire::Sh
   std::mutex listening_;  // Held while the listener runs, since gRPC does not guarantee an order between its threads.
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<wire::DisplayReport> reports_;  // The first is being written while is_writing_.
+  std::deque<wire::DisplayReport> reports_;  // The first report is being written while is_writing_.
   bool is_writing_ = false;
   bool is_up_ = false;
   bool is_ending_ = false;  // No new write may start.

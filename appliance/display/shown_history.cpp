@@ -7,7 +7,7 @@
 
 namespace cyclorama::display {
 namespace {
-constexpr std::size_t kMaxReadyFrames = 12;  // The presenter holds no more of them.
+constexpr std::size_t kMaxReadyFrames = 12;  // The presenter never holds more frames than this.
 }
 
 ShownHistory::ShownHistory(DisplayFrame attract, HeadPlans plans)

@@ -18,7 +18,8 @@ struct RefreshEvent;
 struct ShownSince {
   std::uint64_t number = 0;  ///< Counted from 1.
   TimePoint at{};
-  std::shared_ptr<const DisplayFrame> frame;  ///< Null: not the show, but patterns, a fade, or a change of the heads.
+  /// Null: the heads do not show one frame, but patterns, a fade, a moved eye, or a transition to other heads.
+  std::shared_ptr<const DisplayFrame> frame;
   double turn_rad = 0.0;
   HeadPlans plans;
 };
@@ -35,15 +36,15 @@ class ShownHistory {
 
   /// Records that a frame went to the presenter.
   void frame_ready(const DisplayFrame& frame);
-  /// Records that `plans` went to the presenter; `was_passed_over`: the plans before them were not used.
+  /// Records that `plans` went to the presenter. `was_passed_over`: the plans before them were never used.
   void heads_wanted(HeadPlans plans, bool was_passed_over);
   /// Records that the presenter draws with the next plans.
   void heads_changed();
-  /// Records refreshes in the order in which they happened. `is_show`: no patterns are on the wall.
+  /// Records refreshes, in the order in which they happened. `is_show`: the wall shows no patterns.
   void refreshed(const RefreshEvent& event, bool is_show);
 
   struct Shown {
-    std::vector<ShownSince> moments;  ///< The last one before `from`, if it is known, and all until `until`.
+    std::vector<ShownSince> moments;  ///< The last moment before `from`, if it is known, and all moments until `until`.
     TimePoint known_until{};
   };
   /// Returns the moments between two times, and notes that a client requested them at `now`.
@@ -52,8 +53,8 @@ class ShownHistory {
  private:
   std::mutex mutex_;  ///< Guards all members.
   std::shared_ptr<const DisplayFrame> attract_;
-  std::deque<std::shared_ptr<const DisplayFrame>> ready_;  ///< The frame that is shown, and those to come.
-  std::shared_ptr<const DisplayFrame> shown_;              ///< Null before the first.
+  std::deque<std::shared_ptr<const DisplayFrame>> ready_;  ///< The frame that is shown, and the next ones.
+  std::shared_ptr<const DisplayFrame> shown_;              ///< Null before the first frame.
   HeadPlans plans_;
   std::deque<HeadPlans> coming_;
   std::deque<ShownSince> moments_;

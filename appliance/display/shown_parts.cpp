@@ -19,7 +19,7 @@ constexpr int kCellPx = 16;
 constexpr double kAround_px = 3.0;
 constexpr double kUnboundedTurn_rad = 0.5;
 constexpr double kHardlyMore = 1.1;
-// Number of pieces of a footprint that turns along curves, and maximum number of turns.
+// Number of pieces into which a footprint is cut where it turns along curves, and maximum number of turns.
 constexpr int kStrips = 32;
 constexpr int kPieces = 32;
 constexpr int kMaxTurns = 64;
@@ -49,7 +49,7 @@ struct Box {
   }
 };
 
-/// Every cell of a picture, with a flag whether it is needed.
+/// A flag for each cell of a picture: whether it is needed.
 class CellMap {
  public:
   explicit CellMap(const PictureShape& picture)
@@ -59,7 +59,7 @@ class CellMap {
     wanted_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows()), false);
   }
   [[nodiscard]] int rows() const { return cells(height_px_); }
-  /// Marks cells from one position to another in pixels, either of which may lie outside.
+  /// Marks a row's cells between two positions in pixels, either of which may lie outside the picture.
   void want(int row, double left_px, double right_px) {
     const double width = width_px_;
     if (wraps_ && right_px - left_px >= width) return mark(row, 0.0, width);
@@ -68,16 +68,16 @@ class CellMap {
     mark(row, left_px - turns, right_px - turns);
     if (right_px - turns > width) mark(row, 0.0, right_px - turns - width);
   }
-  /// Marks the cells in the rectangle, and for parts beyond an edge the nearest cells.
+  /// Marks the cells in the rectangle; for parts beyond an edge, the nearest cells inside.
   void want(const Box& box) {
     const int first = static_cast<int>(std::clamp(box.top_px, 0.0, height_px_ - 1.0)) / kCellPx;
     const int last = static_cast<int>(std::clamp(box.bottom_px, 0.0, height_px_ - 1.0)) / kCellPx;
     for (int row = first; row <= last; ++row) want(row, box.left_px, box.right_px);
   }
-  /// Rows that need the same columns are one part.
+  /// Returns the marked cells as rectangles; adjacent rows with the same columns form one part.
   [[nodiscard]] std::vector<PixelRect> parts() const {
     std::vector<PixelRect> parts;
-    std::size_t above = 0;  // First of the parts that end at this row's upper edge.
+    std::size_t above = 0;  // Index of the first part that ends at this row's upper edge.
     for (int row = 0; row < rows(); ++row) {
       const std::vector<PixelRect> runs = runs_of(row);
       const bool same =
@@ -150,11 +150,11 @@ double margin_px(const PictureShape& picture, const PictureShape& wall) {
   return kAround_px + std::max(0.0, rows);
 }
 
-/// In a panorama, a turn is a shift.
+/// Marks the cells of a panorama, in which a turn is a shift.
 void want_shifted(const HeadFootprint& head, const Panorama& picture, double turn_limit_rad, double margin,
                   CellMap* ret_cells) {
   for (int row = 0; row < ret_cells->rows(); ++row) {
-    // The picture's edge is shown for positions beyond it.
+    // Positions beyond the picture show its edge.
     constexpr double kEndless = std::numeric_limits<double>::infinity();
     const bool is_first = row == 0;
     const bool is_last = row + 1 == ret_cells->rows();
@@ -168,8 +168,9 @@ void want_shifted(const HeadFootprint& head, const Panorama& picture, double tur
   }
 }
 
-/// In the other projections every position moves along its own curve: those between the corners of a small piece, and
-/// between one turn and the next, lie within a box around them that is enlarged by an eighth.
+/// Marks the cells of the other projections, in which every position moves along its own curve. Positions between the
+/// corners of a small piece, and between one turn and the next, lie within the box around those corners, enlarged by an
+/// eighth.
 void want_turned(const HeadFootprint& head, const PictureShape& picture, double turn_limit_rad, double margin,
                  CellMap* ret_cells) {
   const auto all = head.up();
@@ -189,7 +190,7 @@ void want_turned(const HeadFootprint& head, const PictureShape& picture, double 
         const double across = span->min + (span->max - span->min) * end / kPieces;
         for (const double up : {low, high}) {
           const auto position = turned(picture, {across, up}, turn_limit_rad * (2.0 * turn / turns - 1.0));
-          if (!position) continue;  // Exactly opposite to a fisheye's axis.
+          if (!position) continue;  // The position is exactly opposite to a fisheye's axis.
           if (end < kPieces) now[static_cast<std::size_t>(end)].add(scale.pixel_at(*position));
           if (end > 0) now[static_cast<std::size_t>(end - 1)].add(scale.pixel_at(*position));
         }

@@ -11,11 +11,11 @@
 
 namespace cyclorama::display {
 
-/// The positions that a head lights, in the coordinates of its warp (common/geometry/picture_place.h): for each of some
-/// slices of `up`, the minimum and maximum `across`. A value; reentrant.
+/// The positions that a head lights, in the coordinates of its warp (common/geometry/picture_place.h): the minimum and
+/// maximum `across` for each slice of `up`. A value; reentrant.
 class HeadFootprint {
  public:
-  /// Covers all pixels that the mask does not blacken. Precondition: warp and mask have one size.
+  /// Covers all pixels that the mask does not blacken. Precondition: warp and mask have the same size.
   HeadFootprint(const warp::Warp& warp, const warp::MaskImage& mask);
 
   struct Span {
@@ -24,7 +24,7 @@ class HeadFootprint {
   };
   /// Range of `up`; empty if the head lights nothing.
   [[nodiscard]] std::optional<Span> up() const;
-  /// Range of `across` anywhere between two values of `up`; empty if the head lights none there.
+  /// Range of `across` anywhere between two values of `up`; empty if the head lights nothing there.
   [[nodiscard]] std::optional<Span> across_between(double min_up, double max_up) const;
 
  private:
@@ -33,24 +33,25 @@ class HeadFootprint {
   std::vector<std::optional<Span>> slices_;
 };
 
-/// Maximum turn of a picture, and the parts of it that are visible then.
+/// Maximum turn of a picture, and the parts of it that are visible up to that turn.
 struct ShownParts {
   double turn_limit_rad = 0.0;
-  std::vector<PixelRect> parts;  ///< Whole cells of 16 pixels, cut at the picture's edges; none overlap.
+  std::vector<PixelRect> parts;  ///< Whole cells of 16 pixels, cut off at the picture's edges. They do not overlap.
 
   /// Returns whether any part overlaps `rect`.
   [[nodiscard]] bool meets(const PixelRect& rect) const;
 };
 
-/// Returns the parts of two pictures of that height, one above the other, of which the heads show the same parts.
+/// Returns the parts of a stacked picture for two eyes, each `height_px` high, if the parts of each eye's picture are
+/// `of_one`.
 [[nodiscard]] ShownParts shown_by_both_eyes(const ShownParts& of_one, int height_px);
 
-/// Returns the parts of a picture that some head shows, with a margin for filters, while the visitor turns either way.
+/// Returns the parts of a picture that some head shows while the visitor turns either way, with a margin for filters.
 /// The turn is limited to where a wall that shows the part `wall` would reach the picture's edge (turn_reach() in
-/// common/geometry/guard_band.h). For a picture without edges the limit is half a radian, for which a visitor takes
-/// longer than a farm needs for a frame; there is no limit if hardly more becomes visible. A picture with rows beyond
-/// the wall's is for a visitor who walks: that many rows around what the heads show belong to the parts as well, since
-/// the picture may be moved by as much.
+/// common/geometry/guard_band.h). For a picture without edges the limit is half a radian, because a visitor takes
+/// longer for that than a farm needs for a frame; there is no limit if all turns together show hardly more. A picture
+/// that has rows beyond the wall's is for a visitor who walks: the parts then extend by the same number of rows around
+/// what the heads show, since the picture may be moved by as much.
 [[nodiscard]] ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture,
                                      const PictureShape& wall);
 

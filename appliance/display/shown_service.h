@@ -12,11 +12,11 @@
 
 namespace cyclorama::display {
 
-/// Implements show.proto's ShownPictures. Heads are drawn on gRPC's threads, one call at a time, and only pictures that
-/// the caller does not have yet. Thread-safe. Borrows the history and the clock.
+/// Implements show.proto's ShownPictures. Draws heads on gRPC's threads, one call at a time, and only pictures that the
+/// caller does not have yet. Thread-safe. Borrows the history and the clock.
 class ShownService final : public wire::ShownPictures::Service {
  public:
-  /// `heads`: names of the output's heads, in order.
+  /// `heads`: names of the output's heads, in the output's order.
   ShownService(std::vector<std::string> heads, ShownHistory* history, const Clock* clock)
       : heads_(std::move(heads)), history_(*history), clock_(*clock) {}
 
@@ -28,8 +28,8 @@ class ShownService final : public wire::ShownPictures::Service {
   const std::vector<std::string> heads_;
   ShownHistory& history_;
   const Clock& clock_;
-  std::mutex mutex_;  ///< Guards the following.
-  HeadPlans plans_;   ///< Plans of the samplers.
+  std::mutex mutex_;  ///< Guards the members below.
+  HeadPlans plans_;   ///< Plans for which the samplers were made.
   int factor_ = 0;
   std::vector<HeadSampler> samplers_;
   JpegEncoder encoder_;

@@ -8,10 +8,10 @@
 namespace cyclorama::display {
 namespace {
 
-// Share of a period beyond the middle between two numbers: ten times the uncertainty of a clock over a wired network.
+// Hysteresis, as a share of the period: ten times the uncertainty of a clock over a wired network.
 constexpr double kHold = 0.1;
 constexpr Duration kMaxLead = std::chrono::seconds(1);
-// A headless output reports its refreshes late by the drawing time; a mean over this many smooths the delay.
+// A headless output reports its refreshes late by the drawing time; a mean over this many refreshes smooths the delay.
 constexpr int kSmoothing = 32;
 constexpr std::uint64_t kMaxGap = 1'000'000;
 

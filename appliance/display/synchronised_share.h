@@ -15,7 +15,7 @@ class SynchronisedShare {
   /// Records `refreshes` more refreshes; for `late` of them, the frame now on screen was already due but not yet shown.
   /// Both are at least 0.
   void add(TimePoint now, std::int64_t refreshes, std::int64_t late);
-  /// Empty if there were no refreshes.
+  /// Returns the share; empty if there were no refreshes.
   [[nodiscard]] std::optional<double> share(TimePoint now) const;
 
  private:

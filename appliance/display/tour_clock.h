@@ -16,9 +16,9 @@ namespace cyclorama::display {
 using SystemTime = std::chrono::time_point<std::chrono::system_clock, std::chrono::nanoseconds>;
 using SystemClock = std::function<SystemTime()>;
 
-/// An estimate of the tour's clock: requests the time from the tour a few times a second, and records the time that the
-/// display needs until it can show what it receives. One question is under way at a time; one without an answer within
-/// a second is given up. Thread-safe.
+/// Estimates the tour's clock: requests the time from the tour a few times a second, and records how long the display
+/// needs until it can show what it receives. At most one request is under way; a request without an answer within a
+/// second is given up. Thread-safe.
 class TourClock {
  public:
   /// Lead of this computer's system clock over the tour's. It need not be small, since pictures follow the measured
@@ -30,17 +30,17 @@ class TourClock {
 
   explicit TourClock(SystemClock system_clock) : system_clock_(std::move(system_clock)) {}
 
-  /// Discards all knowledge for a new stream, perhaps of another tour.
+  /// Forgets everything, because a new stream may lead to another tour.
   void reset();
-  /// Returns the question to send now, if one is due, with the times that were needed since the last.
+  /// Returns the request to send now, if one is due, with the times that the display has needed since the last request.
   std::optional<wire::ClockRequest> question(TimePoint now);
-  /// Returns false if `answer` does not belong to the last question.
+  /// Returns false if `answer` does not belong to the last request.
   bool take(const wire::ClockReply& answer, TimePoint now);
 
   /// Records that a frame was ready to be shown.
   void frame_ready(const ShowAt& at, TimePoint now);
   void heading_ready(const ShowAt& at, TimePoint now);
-  /// Records that drawing began so long before its synchronised refresh: its contents must have been ready then.
+  /// Records that drawing began `by` before its synchronised refresh: what it shows must be ready at that time.
   void drawn_ahead(Duration by);
 
   [[nodiscard]] ClockReading reading(TimePoint now) const;
@@ -50,9 +50,9 @@ class TourClock {
   void add_need(const ShowAt& at, TimePoint now, std::optional<Duration>* need) const;
 
   const SystemClock system_clock_;
-  mutable std::mutex mutex_;  // Guards the following.
+  mutable std::mutex mutex_;  // Guards the members below.
   ClockOffset offset_;
-  std::optional<TimePoint> asked_at_;  // Time of the question that has no answer yet.
+  std::optional<TimePoint> asked_at_;  // Time of the request that has no answer yet.
   TimePoint last_asked_at_{};
   std::optional<Skew> skew_;
   std::optional<Duration> frame_need_;
@@ -60,7 +60,7 @@ class TourClock {
   std::optional<Duration> drawn_ahead_;
 };
 
-/// Returns the checked schedule of `message`; one that is invalid counts as none.
+/// Returns the schedule of `message`; an invalid one counts as none.
 [[nodiscard]] ShowAt show_at_of(const wire::ShowMessage& message);
 
 }  // namespace cyclorama::display

@@ -11,10 +11,10 @@
 namespace cyclorama::display {
 
 /// Whole frames on their way to the presenter, unordered; DisplayFrame::order gives their order. Neither side ever
-/// waits. Each side on one thread at a time.
+/// waits. Each side uses one thread at a time.
 class WaitingFrames {
  public:
-  /// Returns the oldest frame if there is no room for all, else null.
+  /// Adds `frame`. Returns the oldest waiting frame if there is no room for all, else null.
   std::unique_ptr<DisplayFrame> put(std::unique_ptr<DisplayFrame> frame) {
     std::unique_ptr<DisplayFrame> untaken = slots_[next_].put(std::move(frame));
     next_ = (next_ + 1) % slots_.size();

@@ -10,7 +10,7 @@ struct YawShift {
   bool is_past_guard = false;  ///< The visitor turned farther than the picture extends; `angle_rad` stops there.
 };
 
-/// Returns the turn that makes a picture for one heading right for another one (a panorama is shifted), limited to
+/// Returns the turn with which a picture for one heading is shown for another (a panorama is shifted), limited to
 /// `turn_limit_rad` either way (shown_parts.h), so that the wall never shows anything beyond the picture.
 [[nodiscard]] YawShift yaw_shift(double picture_heading_rad, double heading_now_rad, double turn_limit_rad);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cyclorama-hand: everything that steers without a camera. Gamepads, keyboards and 3D mice give commands; poses that
-/// other trackers send by OSC or VRPN replace our tracker's.
+/// other trackers send by OSC or VRPN replace those of Cyclorama's tracker.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -55,14 +55,14 @@ void add_options(CLI::App& app, Options* options) {
       ->capture_default_str();
 }
 
-/// Sends commands to the tour while there are any, and once more at the end.
+/// Sends commands to the tour while there are any, and once more when they end.
 class SteerLink {
  public:
   static Result<SteerLink> open(const std::string& address) {
     TRY_ASSIGN(std::shared_ptr<grpc::Channel> channel, make_channel(address));
     return SteerLink(std::move(channel));
   }
-  /// Blocks for at most kSteerDeadline.
+  /// Sends `command` if it is due. Blocks for at most kSteerDeadline.
   void tell(const input::InputCommand& command, TimePoint now) {
     if (command.is_rest() && rested_) return;
     if (command == told_ && now - told_at_ < kSteerEvery) return;
@@ -76,7 +76,7 @@ class SteerLink {
     reached_ = stub_->Steer(&context, request, &reply).ok();
     told_ = command;
     told_at_ = now;
-    rested_ = command.is_rest();  // If a rest is lost on the way, the tour stops by itself 300 ms later.
+    rested_ = command.is_rest();  // If a rest command is lost, the tour stops by itself 300 ms later.
   }
   [[nodiscard]] bool reached() const { return reached_; }
 
@@ -146,7 +146,7 @@ Status run(const Options& options, const StopSignal& stop) {
     }
     inputs.update(now);
     input::InputCommand command = inputs.command(now);
-    // As with keys, a command ends when its sender has been silent.
+    // As with keys, a command ends once its sender has been silent for a while.
     if (command.is_rest() && now - osc_command_at < std::chrono::milliseconds(300)) command = osc_command;
     steer.tell(command, now);
     if (now - said_at < kReportPeriod) continue;

@@ -13,23 +13,24 @@
 
 namespace cyclorama::hand {
 
-/// Messages of other programs: poses that replace our tracker's, and steering commands.
+/// Messages of other programs: poses that replace those of Cyclorama's tracker, and steering commands.
 struct ReceivedPoses {
   std::vector<tracker::PoseReport> poses;
   std::optional<std::array<double, 3>> steer;  ///< The newest command: forward, right, turn.
 };
 
-/// Listens to OSC at one port and to VRPN at another. Of several sensors, the first keeps control until it has been
-/// silent for a second. Invalid packets are counted, and change nothing. Thread-bound.
+/// Listens to OSC at one port and to VRPN at another. If several sensors send poses, the first keeps control until it
+/// has been silent for a second. Invalid packets are counted, and change nothing. Thread-bound.
 class PoseListener {
  public:
-  /// An empty address disables its protocol; `vrpn_device` as VrpnReader's. Errors: those of DatagramReceiver::open().
+  /// An empty address disables its protocol. For `vrpn_device` see VrpnReader. Errors: those of
+  /// DatagramReceiver::open().
   static Result<PoseListener> open(const std::string& osc, const std::string& vrpn, const std::string& vrpn_device);
 
-  /// Returns everything that has arrived. Does not block.
+  /// Returns all messages that have arrived. Does not block.
   [[nodiscard]] ReceivedPoses take(TimePoint now);
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
-  /// Returns 0 if it does not listen there.
+  /// Returns the port, or 0 if the protocol is disabled.
   [[nodiscard]] int osc_port() const { return osc_ ? osc_->port() : 0; }
   [[nodiscard]] int vrpn_port() const { return vrpn_ ? vrpn_->port() : 0; }
 

@@ -14,22 +14,22 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 constexpr int kPointsPerSide = 32;
-/// The ends of a side are blurred by the adjacent side's edge.
+/// Share of a side that is not sampled at each end, where the adjacent side's edge blurs it.
 constexpr double kKeepClearOfCorners = 0.08;
 constexpr double kStepPx = 0.25;
 constexpr double kMaxRadiusPx = 3.0;
 constexpr double kMinRadiusPx = 0.75;
-/// A step that is drawn over two pixels is complete within this distance.
+/// Distance from an edge within which its step, blurred over two pixels, is complete.
 constexpr double kBlurPx = 1.25;
-/// A step from black to white of less than this counts as noise.
+/// Minimum contrast of a step from black to white; less counts as noise.
 constexpr double kMinContrastGrey = 12.0;
 constexpr double kMaxMovePx = 2.0;
-/// Share of a normal distribution's variance in its middle three quarters.
+/// Share of a normal distribution's variance that its middle three quarters have.
 constexpr double kTrimmedShare = 0.369;
-/// Minimum deviation of a step, however well the points agree, since neighbours share pixels.
+/// Minimum deviation of a step's position, however well the points agree, since neighbouring points share pixels.
 constexpr double kMinDeviationPx = 0.02;
 
-/// Samples bilinearly between pixel centres at (0.5, 0.5); empty outside of them.
+/// Interpolates bilinearly between pixel centres, of which the first is at (0.5, 0.5); empty outside of them.
 std::optional<double> grey_at(const GreyImage& picture, const Vector2d& position) {
   const double x = position.x() - 0.5;
   const double y = position.y() - 0.5;
@@ -48,7 +48,7 @@ struct EdgePoint {
   double weight;
 };
 
-/// Returns the step from black to white on a line across the side, in the direction of `to_white`.
+/// Returns the step from black to white along a line across the side through `middle`; empty if there is none.
 std::optional<EdgePoint> find_step(const GreyImage& picture, const Vector2d& middle, const Vector2d& to_white,
                                    double radius_px) {
   const int steps = static_cast<int>(radius_px / kStepPx);
@@ -69,8 +69,8 @@ std::optional<EdgePoint> find_step(const GreyImage& picture, const Vector2d& mid
   return EdgePoint{middle + (moment / rise) * to_white, rise};
 }
 
-/// A point of the line and its direction; across the line, in px², the variance at that point, and the contribution of
-/// the line's angle per squared distance from it.
+/// A fitted line. Its variances are across it, in px²: `variance` at `point`, and the contribution `turn_variance` of
+/// the uncertain angle per squared distance from `point`.
 struct Line {
   Vector2d point;
   Vector2d direction;
@@ -110,7 +110,7 @@ double distance(const Line& line, const Vector2d& point) {
   return std::abs(d.x() * line.direction.y() - d.y() * line.direction.x());
 }
 
-/// Sets the variance of `line` from the points that it was fitted to: the best three quarters of all.
+/// Sets the variances of `line` from the points that it was fitted to, the best three quarters of all.
 void set_variance(const std::vector<EdgePoint>& points, double length_px, Line* line) {
   double across = 0.0;
   double along = 0.0;
@@ -127,13 +127,14 @@ void set_variance(const std::vector<EdgePoint>& points, double length_px, Line* 
   line->turn_variance = each / (independent * std::max(along / count, 1e-6));
 }
 
-/// Fits a line to the side between two corners; `thickness_px` is the distance of the opposite side.
+/// Fits a line to the side between two corners; `thickness_px` is the distance to the opposite side.
 Line side_of(const GreyImage& picture, const Vector2d& from, const Vector2d& to, double thickness_px, int cells_across,
              TagBorder border) {
   const Line unchanged{from, (to - from).normalized()};
   const Vector2d outwards = unchanged.normal();  // Corners run clockwise in the picture.
   const Vector2d to_white = border == TagBorder::kBlack ? outwards : Vector2d(-outwards);
-  // Half a cell; more for a small tag, so that the whole blurred step is included, but not the code's own cells.
+  // Half a cell; more for a small tag, so that the whole blurred step is included, but no neighbouring cells of the
+  // code.
   const double cell_px = thickness_px / cells_across;
   const double radius_px = std::min(kMaxRadiusPx, std::max(0.5 * cell_px, std::min(0.9 * cell_px, kBlurPx)));
   if (!(radius_px >= kMinRadiusPx)) return unchanged;
@@ -162,7 +163,7 @@ std::optional<Vector2d> crossing(const Line& a, const Line& b) {
   return Vector2d(a.point + along * a.direction);
 }
 
-/// Returns the covariance of an intersection: each line is uncertain along its normal, by the variance from its points.
+/// Returns the covariance of an intersection: each line is uncertain along its normal, by its variance at the corner.
 Matrix2d covariance_at(const Vector2d& corner, const Line& a, const Line& b) {
   Matrix2d normals;
   normals << a.normal().transpose(), b.normal().transpose();

@@ -9,8 +9,8 @@
 
 namespace cyclorama::tags {
 
-/// Converts tags seen through `lens` to what a lens without distortion would have seen: corners and their covariances.
-/// A tag beyond the range in which the lens is invertible is left out. Reentrant.
+/// Converts tags seen through `lens`, with their corners and covariances, to what the undistorted lens `straight` would
+/// have seen. A tag beyond the range in which the lens is invertible is omitted. Reentrant.
 [[nodiscard]] std::vector<TagDetection> straightened(const std::vector<TagDetection>& seen,
                                                      const calibration::BrownLens& lens, const Pinhole& straight);
 

@@ -40,11 +40,11 @@ constexpr std::array kFamilies{Family{"tag36h11", tag36h11_create, tag36h11_dest
                                Family{"tagCircle49h12", tagCircle49h12_create, tagCircle49h12_destroy},
                                Family{"tagCustom48h12", tagCustom48h12_create, tagCustom48h12_destroy}};
 
-/// Upper bound of libapriltag's table of a family's codes with their wrong bits.
+/// Upper bound of libapriltag's table of a family's codes, including those with wrong bits.
 constexpr std::size_t kMaxTableBytes = std::size_t{64} << 20;
 
-/// Returns the size of that table: three slots of 16 bytes for each code and each way to have up to `max_hamming` wrong
-/// bits.
+/// Returns the size of libapriltag's table: three slots of 16 bytes for each code and each set of up to `max_hamming`
+/// wrong bits.
 std::size_t table_bytes(const apriltag_family_t& tags, int max_hamming) {
   const std::size_t bits = tags.nbits;
   std::size_t ways = 1;
@@ -53,22 +53,23 @@ std::size_t table_bytes(const apriltag_family_t& tags, int max_hamming) {
   return tags.ncodes * ways * 3 * 16;
 }
 
-/// A tag is at least this many cells wide. In a smaller picture there is nothing to find, and libapriltag divides its
-/// picture into tiles of 4 pixels, of which at least one must exist.
+/// Minimum side of a picture that is searched. A tag has at least this many cells, and libapriltag divides its picture
+/// into tiles of 4 pixels, of which at least one must exist.
 constexpr double kMinSidePx = 8.0;
 
 struct DestroyDetections {
   void operator()(zarray_t* detections) const { apriltag_detections_destroy(detections); }
 };
 
-/// libapriltag's corners run anticlockwise from the lower left; its pixel centres are at (0.5, 0.5), like ours. The
-/// test "a_corner_lands_where_it_was_painted" checks both.
+/// Returns the corners in TagDetection's order: libapriltag's run anticlockwise from the lower left. Its pixel centres
+/// are at (0.5, 0.5), like Cyclorama's. The test "a_corner_lands_where_it_was_painted" checks both.
 std::array<Eigen::Vector2d, 4> corners_of(const apriltag_detection_t& found) {
   const auto corner = [&](int i) { return Eigen::Vector2d(found.p[i][0], found.p[i][1]); };
   return {corner(3), corner(2), corner(1), corner(0)};
 }
 
-/// libapriltag decimates by 1.5 or a whole number, but scales its corners back by the requested value.
+/// Returns a decimation that libapriltag performs exactly: it decimates by 1.5 or a whole number, but scales its
+/// corners back by the requested value.
 float possible_decimation(double wanted) {
   if (wanted >= 2.0) return static_cast<float>(std::floor(wanted));
   return wanted >= 1.5 ? 1.5f : 1.0f;
@@ -155,7 +156,7 @@ Result<std::vector<TagDetection>> TagDetector::detect_in(const GreyImage& pictur
                  fmt::format("a picture of {}x{} pixels; the longest side that can be searched is {}", width, height,
                              kMaxSidePx));
   }
-  // libapriltag only reads the picture, but its type has no const.
+  // libapriltag only reads the picture, but its type lacks const.
   image_u8_t view = {width, height, picture.width(), const_cast<std::uint8_t*>(picture.at(left, top))};
   library_->detector->quad_decimate = possible_decimation(decimate);
   const std::unique_ptr<zarray_t, DestroyDetections> found(apriltag_detector_detect(library_->detector, &view));

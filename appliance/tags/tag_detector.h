@@ -13,20 +13,21 @@
 
 namespace cyclorama::tags {
 
-/// Settings of the detector. The curve "decimation against tags found and milliseconds" is in docs/trade.md.
+/// Settings of the detector. docs/trade.md plots decimation against tags found and milliseconds.
 struct DetectorSettings {
   std::string family = "tag36h11";  ///< One of tag_families().
-  double decimate = 1.5;            ///< Quads are sought in a picture this many times smaller: 1 to 8; in
-                                    ///< effect 1, 1.5 or a whole number, the next lower one.
-  bool tiles = true;                ///< Searches full resolution around known tags, and tile by tile: tag_search.h.
+  /// Factor by which the picture in which quads are sought is reduced: 1 to 8. Effectively 1, 1.5 or a whole number:
+  /// the next lower one.
+  double decimate = 1.5;
+  bool tiles = true;  ///< Also searches full resolution around known tags, and tile by tile: tag_search.h.
   int threads = 1;                  ///< 1 to 16.
-  bool refine_edges = true;         ///< Aligns edges to the full picture's gradients; advisable with any decimation.
+  bool refine_edges = true;         ///< Aligns edges to the gradients of the full picture; useful with any decimation.
   bool refine_corners = true;       ///< Then refines corners to a few hundredths of a pixel: corner_refinement.h.
-  int max_hamming = 0;              ///< Wrong bits that are corrected: 0, 1 or 2. Each lets more clutter pass as tags.
+  int max_hamming = 0;  ///< Number of wrong bits that are corrected: 0, 1 or 2. Each lets more clutter pass as tags.
   double min_margin = 20.0;         ///< Mean contrast between a bit and its threshold, in grey levels.
 };
 
-/// Returns "tag36h11", "tag25h9", "tag16h5", ...
+/// Returns the names of the supported families: "tag36h11", "tag25h9", "tag16h5", ...
 [[nodiscard]] const std::vector<std::string>& tag_families();
 
 /// One tag in one picture.
@@ -37,17 +38,17 @@ struct TagDetection {
   /// Corners of the black square, in pixels (frames.h), in the Tag frame's order: (-x, -y), (+x, -y), (+x, +y), (-x,
   /// +y); clockwise in the picture, starting at the upper left when the tag is upright.
   std::array<Eigen::Vector2d, 4> corners;
-  /// Covariance of each corner, px². Without a refinement, that of libapriltag: 0.2 px in any direction.
+  /// Covariance of each corner, px². Without refinement, that of libapriltag's corners: 0.2 px in any direction.
   std::array<Eigen::Matrix2d, 4> covariance = {kUnrefined, kUnrefined, kUnrefined, kUnrefined};
 
   static inline const Eigen::Matrix2d kUnrefined = 0.04 * Eigen::Matrix2d::Identity();
 };
 
 /// AprilTag 3 (Wang and Olson, "AprilTag 2", IROS 2016; Krogius et al., "Flexible Layouts for Fiducial Tags", IROS
-/// 2019), by libapriltag. Thread-bound: one per thread; it keeps its worker threads between pictures.
+/// 2019), by libapriltag. Thread-bound: each thread needs its own. It keeps its worker threads between pictures.
 class TagDetector {
  public:
-  /// Errors: kInvalidArgument if a setting is out of range, or the family is unknown.
+  /// Makes a detector. Errors: kInvalidArgument if a setting is out of range, or the family is unknown.
   static Result<TagDetector> create(const DetectorSettings& settings);
   TagDetector(TagDetector&&) noexcept;
   TagDetector& operator=(TagDetector&&) noexcept;
@@ -57,7 +58,8 @@ class TagDetector {
   /// contains none. Errors: kInvalidArgument if a side exceeds kMaxSidePx, since libapriltag counts half pixels in 16
   /// bits.
   Result<std::vector<TagDetection>> detect(const GreyImage& picture);
-  /// Does the same in a part of the picture, which is clipped to it, with its own decimation: 1 to 8.
+  /// Same as detect(), for a part of the picture, which is clipped to the picture, with a decimation of its own: 1 to
+  /// 8.
   Result<std::vector<TagDetection>> detect_in(const GreyImage& picture, const PixelRect& part, double decimate);
   static constexpr int kMaxSidePx = 16384;
 

@@ -13,10 +13,10 @@ namespace {
 /// from one picture to the next.
 constexpr double kMarginShare = 0.5;
 constexpr double kMinMarginPx = 12.0;
-/// A tag that is larger than this in the decimated picture is found there just as reliably.
+/// Size from which a tag in the decimated picture is found just as reliably.
 constexpr double kPlentyPx = 80.0;
-/// libapriltag computes its thresholds from tiles of 4 pixels, of a picture that may be decimated: parts that begin at
-/// a multiple of this have the same tiles as the whole picture.
+/// libapriltag computes its thresholds from tiles of 4 pixels, of a possibly decimated picture: parts that begin at a
+/// multiple of this have the same tiles as the whole picture.
 constexpr int kAlignPx = 8;
 /// Tiles overlap by the size of the largest tag that decimation may hide.
 constexpr int kTileOverlapPx = 24;
@@ -29,7 +29,7 @@ Eigen::AlignedBox2d box_of(const TagDetection& tag) {
 
 int aligned(int pixel) { return pixel / kAlignPx * kAlignPx; }
 
-/// Returns the whole pixels of a box, clipped to the picture.
+/// Returns the box as whole pixels, clipped to the picture.
 PixelRect pixels_of(const Eigen::AlignedBox2d& box, int width, int height) {
   const auto cut = [](double value, int max) { return static_cast<int>(std::clamp(value, 0.0, 1.0 * max)); };
   const int left = aligned(cut(std::floor(box.min().x()), width));
@@ -50,7 +50,7 @@ Part around(const Part& a, const Part& b) {
   return {{left, top, right - left, bottom - top}, std::min(a.decimate, b.decimate)};
 }
 
-/// Joins parts until no two cost less together than apart.
+/// Joins parts until no two parts would cost less as one.
 void join(std::vector<Part>* parts) {
   for (std::size_t i = 0; i < parts->size(); ++i) {
     for (std::size_t j = i + 1; j < parts->size(); ++j) {
@@ -70,8 +70,8 @@ Eigen::Vector2d centre_of(const TagDetection& tag) {
 
 double size_of(const TagDetection& tag) { return std::sqrt(0.5 * std::max(0.0, doubled_area_px2(tag.corners))); }
 
-/// Tests whether two detections are the same tag at the same position. Two of one id at different positions are two
-/// wands, or a reflection.
+/// True if both detections are the same tag at the same position. Two tags with the same id at different positions are
+/// two wands, or a tag and its reflection.
 bool is_same(const TagDetection& a, const TagDetection& b) {
   return a.id == b.id && (centre_of(a) - centre_of(b)).norm() < 0.5 * std::max(size_of(a), size_of(b));
 }
@@ -97,7 +97,7 @@ Status TagSearch::add_from(const GreyImage& picture, const PixelRect& part, doub
                            std::vector<TagDetection>* ret_found) {
   TRY_ASSIGN(const std::vector<TagDetection> more, detector_.detect_in(picture, part, decimate));
   for (const TagDetection& tag : more) {
-    // Keeps the first detection of a tag, which was found at full resolution.
+    // Keeps the first detection of a tag, since it was found at full resolution.
     const bool has = std::any_of(ret_found->begin(), ret_found->end(),
                                  [&](const TagDetection& found) { return is_same(found, tag); });
     if (!has) ret_found->push_back(tag);
@@ -107,7 +107,8 @@ Status TagSearch::add_from(const GreyImage& picture, const PixelRect& part, doub
 
 bool TagSearch::all_known_are_in(const std::vector<TagDetection>& found) const {
   return !known_.empty() && !found.empty() && std::all_of(known_.begin(), known_.end(), [&](const Known& known) {
-    // A tag that is missing for some pictures is covered or has left; it is sought at its last position and in tiles.
+    // A tag that is missing for some pictures is covered or has left; the search at its last position and in tiles
+    // continues.
     return known.missed > 2 ||
            std::any_of(found.begin(), found.end(), [&](const TagDetection& tag) { return tag.id == known.tag.id; });
   });
@@ -163,7 +164,7 @@ Result<std::vector<TagDetection>> TagSearch::search(const GreyImage& picture) {
   next_job_ = (next_job_ + 1) % kJobs;
   const bool whole_is_due = job % (kJobs / 2) == 0;
   if (!whole_is_due) {
-    // Two of the jobs are not tiles.
+    // Two of the jobs are not tiles; their indices are skipped.
     parts.push_back({tile_of(job - 1 - job / (kJobs / 2), picture.width(), picture.height()), 1.0});
   }
 

@@ -8,7 +8,7 @@
 
 namespace cyclorama::tags {
 
-/// Finds tags in a stream of pictures, in far less time than a search of every pixel takes, and as reliably:
+/// Finds tags in a stream of pictures as reliably as a search of every pixel would, in far less time:
 ///
 ///   ┌───────────────┐   full resolution   around each tag of the last pictures, and in one tile of the picture after
 ///   │   ┌──┐        │                     the other, so that all of it is searched within kJobs pictures
@@ -16,14 +16,15 @@ namespace cyclorama::tags {
 ///   │   └──┘  │▒│   │                     twice in kJobs pictures
 ///   └───────────────┘
 ///
-/// A visible wand costs only its surroundings and a tile. A small tag that decimation hides is found at the latest with
-/// its tile, and kept from then on. With decimation 1 the whole picture is always searched. Thread-bound.
+/// The cost of a visible wand is that of searching its surroundings and one tile. A small tag that decimation hides is
+/// found when its tile is searched, and kept from then on. With decimation 1 the whole picture is always searched.
+/// Thread-bound.
 class TagSearch {
  public:
   /// The picture is cut into this many tiles, in rows of kTilesAcross.
   static constexpr int kTilesAcross = 4;
   static constexpr int kTiles = kTilesAcross * kTilesAcross;
-  /// One job per picture in turn: every tile, and twice the whole picture decimated, for new tags.
+  /// Each picture gets one of these jobs in turn: every tile, and twice the whole decimated picture, for new tags.
   static constexpr int kJobs = kTiles + 2;
   /// Number of pictures for which a lost tag is sought at its last position.
   static constexpr int kRemembered = 30;
@@ -31,14 +32,14 @@ class TagSearch {
   /// Errors: those of TagDetector::create().
   static Result<TagSearch> create(const DetectorSettings& settings);
 
-  /// Returns every tag that is found, the largest first, each once. Errors: those of TagDetector::detect().
+  /// Returns every tag that is found, the largest first, without duplicates. Errors: those of TagDetector::detect().
   Result<std::vector<TagDetection>> search(const GreyImage& picture);
 
  private:
   struct Known {
     TagDetection tag;
-    Eigen::Vector2d step = Eigen::Vector2d::Zero();  ///< Motion from picture to picture.
-    int missed = 0;                                  ///< Number of pictures since it was seen.
+    Eigen::Vector2d step = Eigen::Vector2d::Zero();  ///< Motion from one picture to the next, in pixels.
+    int missed = 0;                                  ///< Number of pictures since the tag was last seen.
   };
   TagSearch(TagDetector detector, const DetectorSettings& settings)
       : detector_(std::move(detector)), decimate_(settings.decimate), tiles_(settings.tiles) {}
@@ -51,7 +52,7 @@ class TagSearch {
   double decimate_;
   bool tiles_;
   std::vector<Known> known_;
-  int width_px_ = 0;  ///< Size of the last picture; another size means another camera.
+  int width_px_ = 0;  ///< Size of the last picture; a different size means a different camera.
   int height_px_ = 0;
   int next_job_ = 0;
 };

@@ -54,11 +54,11 @@ void Capture::run(const std::stop_token& stop) {
       }
       const TimePoint began = clock_.now();
       ended = stream(camera->get(), stop);
-      if (clock_.now() - began > kMaxPause) pause = kFirstPause;  // The camera had worked for a while.
+      if (clock_.now() - began > kMaxPause) pause = kFirstPause;  // The camera worked for a while.
     }
     if (stop.stop_requested()) return;
     set_problem(ended ? "the camera stopped" : ended.error().message());
-    // Uses the real time instead of the camera's clock, since this pause protects the machine.
+    // Uses the real time instead of `clock_`, since this pause limits the load of the machine.
     for (const TimePoint until = SteadyClock().now() + pause; SteadyClock().now() < until && !never_.is_closed();) {
       beat();
       static_cast<void>(never_.take_before(std::min(until, SteadyClock().now() + kLookAround)));

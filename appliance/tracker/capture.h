@@ -14,7 +14,7 @@
 
 namespace cyclorama::tracker {
 
-/// Keeps one camera open and its newest picture available, on a thread `capture` of its own. A camera that fails or is
+/// Keeps one camera open and its newest picture available, on a thread of its own, `capture`. A camera that fails or is
 /// absent is opened again after a pause that grows from kFirstPause to kMaxPause. Thread-safe.
 class Capture {
  public:
@@ -27,7 +27,7 @@ class Capture {
 
   /// `make` is called on the capture thread. `clock` is borrowed.
   Capture(MakeCamera make, const Clock& clock);
-  /// Ends the thread; blocks until the camera returns, 200 ms for ours.
+  /// Ends the thread; blocks until the camera returns, which takes up to 200 ms with this project's cameras.
   ~Capture();
   Capture(const Capture&) = delete;
   Capture& operator=(const Capture&) = delete;
@@ -35,11 +35,11 @@ class Capture {
   [[nodiscard]] Frames& frames() { return frames_; }
   /// Number of pictures that were replaced before they were taken.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
-  /// The camera's fault in one sentence; empty while it delivers.
+  /// The camera's fault in one sentence; empty while it delivers pictures.
   [[nodiscard]] std::string problem() const;
-  /// The camera's id; empty before the first was made.
+  /// The camera's id; empty before the first camera was made.
   [[nodiscard]] std::string camera_id() const;
-  /// Time of the thread's last activity, as a proof that it is not stuck in a driver.
+  /// Time of the thread's last activity. It proves that the thread is not stuck in a driver.
   [[nodiscard]] TimePoint alive_at() const { return alive_at_; }
 
  private:
@@ -57,7 +57,7 @@ class Capture {
   mutable std::mutex mutex_;
   std::string problem_ = "the camera is being opened";
   std::string camera_id_;
-  LatestValue<Done> never_;  ///< Waited for during a pause; closed at the end.
+  LatestValue<Done> never_;  ///< Never gets a value. A pause waits for it, and closing it ends the pause.
   std::jthread thread_;      ///< Last member, since it uses all the others.
 };
 

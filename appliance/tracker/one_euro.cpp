@@ -7,7 +7,7 @@
 namespace cyclorama::tracker {
 namespace {
 
-/// Returns the share of the new value in a low-pass of first order. Paper, equations 3 to 6.
+/// Returns the share of the new value in a first-order low-pass (equations 3 to 6 of the paper).
 double alpha_of(double cutoff_hz, double step_s) {
   const double tau_s = 1.0 / (2.0 * std::numbers::pi * cutoff_hz);
   return 1.0 / (1.0 + tau_s / step_s);
@@ -54,7 +54,7 @@ std::optional<FilteredRotation> filter(const OneEuroSettings& settings, const st
   const Eigen::Quaterniond target = measured.normalized();
   if (step == Step::kRestart) return FilteredRotation{target, Eigen::Vector3d::Zero(), at};
   const double step_s = to_seconds(since_last);
-  // AngleAxis gives 0 to π, which is the shorter way round.
+  // AngleAxis gives an angle from 0 to π, which is the shorter way.
   const Eigen::AngleAxisd turn(last->value.conjugate() * target);
   FilteredRotation next = *last;
   const double alpha = advance_speed(settings, turn.axis() * (turn.angle() / step_s), step_s, &next.speed);

@@ -8,8 +8,8 @@
 
 namespace cyclorama::tracker {
 
-/// Draws into the camera's picture every tag's outline and id, and for the followed pattern its axes (x red, y green, z
-/// blue, out of it towards the camera), distance and yaw. `tag` may be null. Reentrant.
+/// Returns the camera's picture with every tag's outline and id and, for the followed pattern, its axes (x red, y
+/// green, z blue, towards the camera), distance and yaw. `tag` may be null. Reentrant.
 [[nodiscard]] RgbImage draw_overlay(const GreyImage& picture, std::span<const tags::TagDetection> detections,
                                     const TrackedTag* tag, const Pinhole& lens);
 

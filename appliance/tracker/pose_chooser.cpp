@@ -7,11 +7,11 @@
 namespace cyclorama::tracker {
 namespace {
 
-/// Limit for one picture, whose error may be a reflection rather than noise.
+/// Limit of the log odds from one picture, whose error may be a reflection rather than noise.
 constexpr double kMaxLogOddsPerPicture = 4.0;
-/// Limit for all of them together, so that a wrong decision is reversed within a few pictures.
+/// Limit of the sum of log odds, so that a wrong decision is reversed within a few pictures.
 constexpr double kMaxLogOdds = 12.0;
-/// Time after which a hand's motion cannot be predicted.
+/// Time without a pose after which a hand's motion cannot be predicted.
 constexpr Duration kForgetAfter = std::chrono::milliseconds(500);
 /// Angle between the poses below which they cannot be matched from one picture to the next.
 constexpr double kDistinctRad = 0.17;
@@ -37,7 +37,7 @@ ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypothese
   double log_odds = 0.0;
   if (known) {
     const Eigen::Quaterniond& first = last->first;
-    // If there was only one pose before, its continuation becomes the first.
+    // If the last picture had only one pose, its continuation becomes the first hypothesis.
     const double straight = first.angularDistance(best) + (last->second ? last->second->angularDistance(other) : 0.0);
     const double crossed = first.angularDistance(other) + (last->second ? last->second->angularDistance(best) : 0.0);
     best_is_first = straight <= crossed;

@@ -9,14 +9,14 @@
 namespace cyclorama::tracker {
 
 struct ChooserSettings {
-  double memory_s = 0.7;  ///< Evidence fades to 1/e over this time. More than 0.
+  double memory_s = 0.7;  ///< Time in which evidence fades to 1/e. More than 0.
 };
 
-/// State of one tag's two hypotheses after some pictures.
+/// State of the two hypotheses for one pattern, after some pictures.
 struct Hypotheses {
   Eigen::Quaterniond first = Eigen::Quaterniond::Identity();
   std::optional<Eigen::Quaterniond> second;
-  /// Log odds that `first` is the true one.
+  /// Log odds that `first` is the true rotation.
   double log_odds = 0.0;
   TimePoint at{};
 };
@@ -24,18 +24,18 @@ struct Hypotheses {
 struct ChosenPose {
   TagPose pose;
   std::optional<TagPose> other;  ///< The pose that was not chosen.
-  /// Probability that the chosen pose is the right one of the two, if the noise model holds.
+  /// Probability that the chosen pose, not the other, is right, if the noise model holds.
   double probability = 1.0;
   Hypotheses state;
 };
 
-/// Decides between the two poses of a pattern over time: each hypothesis is followed from picture to picture by its
-/// rotation, and the difference of their misfits (TagPose::misfit) is summed (a sequential likelihood ratio test: Wald,
+/// Decides over time between the two poses of a pattern: each hypothesis is followed from picture to picture by its
+/// rotation, and the differences of the misfits (TagPose::misfit) are summed (a sequential likelihood ratio test: Wald,
 /// "Sequential Tests of Statistical Hypotheses", 1945). One picture of a small tag often prefers the wrong pose; ten
-/// rarely do.
+/// pictures rarely do.
 ///
-/// Evidence fades, and faster while the two poses are too close to be told apart; the choice also matters least then. A
-/// pure function of (settings, state, measurement, time).
+/// Evidence fades, and faster while the two poses are too close to be told apart; the choice then matters least. A pure
+/// function of (settings, state, measurement, time).
 [[nodiscard]] ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypotheses>& last,
                                 const TagPoses& measured, TimePoint at);
 

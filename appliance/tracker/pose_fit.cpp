@@ -17,7 +17,8 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr int kMaxIterations = 40;
 constexpr double kCauchyDeviations = 3.0;
-/// A turn less certain than half a circle, or a shift less certain than this share of the distance, is no pose.
+/// A fit whose turn is less certain than half a circle, or whose shift is less certain than this share of the distance,
+/// is no pose.
 constexpr double kMaxTurnDeviation = 3.14;
 constexpr double kMaxShiftShare = 0.5;
 
@@ -30,7 +31,7 @@ struct Fit {
   Vector6d gradient;
 };
 
-/// Computes misfit, normal matrix and gradient for a turn (in the camera's axes) and a shift.
+/// Computes misfit, normal matrix and gradient, with respect to a turn (in the camera's axes) and a shift.
 void evaluate(std::span<const SeenPoint> points, const Pinhole& lens, Fit* ret_fit) {
   ret_fit->misfit = 0.0;
   ret_fit->squares_px2 = 0.0;
@@ -63,7 +64,7 @@ void evaluate(std::span<const SeenPoint> points, const Pinhole& lens, Fit* ret_f
   }
 }
 
-/// Returns scales that make the diagonal 1, so that radians and metres of any scale are solved alike.
+/// Returns the scales that make the diagonal 1, so that radians and metres have similar magnitudes.
 Vector6d scale_of(const Matrix6d& normal) {
   return normal.diagonal().unaryExpr([](double d) { return d > 0.0 ? 1.0 / std::sqrt(d) : 0.0; });
 }

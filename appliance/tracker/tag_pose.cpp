@@ -20,9 +20,9 @@ using Eigen::Vector3d;
 using Corners2 = std::array<Vector2d, 4>;
 using Corners3 = std::array<Vector3d, 4>;
 
-/// Below this, a quadrilateral is practically a line or a point.
+/// Doubled area below which a quadrilateral is practically a line or a point.
 constexpr double kMinDoubledAreaPx2 = 2.0;
-/// Two minima that differ by less count as one.
+/// Angle between two minima below which they count as one.
 constexpr double kSamePoseRad = 1e-3;
 
 bool is_usable(const Corners2& corners) {
@@ -36,12 +36,13 @@ bool is_usable(const Corners2& corners) {
 }
 
 using Vector8d = Eigen::Matrix<double, 8, 1>;
-/// Up to 8 unknowns. One type for all systems, because a decomposition takes the compiler seconds.
+/// A system with up to 8 unknowns. All systems have this type, because a decomposition takes the compiler seconds.
 using EightEquations = Eigen::Matrix<double, 8, Eigen::Dynamic, 0, 8, 8>;
 
 Eigen::VectorXd least_squares(const EightEquations& a, const Vector8d& b) { return a.colPivHouseholderQr().solve(b); }
 
-/// Returns the homography from the tag's plane, in metres, to normalised image coordinates: exact for four points.
+/// Returns the homography from the tag's plane, in metres, to normalised image coordinates. It is exact for four
+/// points.
 std::optional<Matrix3d> homography_of(const Corners3& tag, const Corners2& rays) {
   EightEquations a = EightEquations::Zero(8, 8);
   Vector8d b;
@@ -60,7 +61,8 @@ std::optional<Matrix3d> homography_of(const Corners3& tag, const Corners2& rays)
   return homography;
 }
 
-/// Returns both rotations that the homography's derivative at the tag's centre allows. Collins and Bartoli, section 4.
+/// Returns both rotations that agree with the homography's derivative at the tag's centre (Collins and Bartoli, section
+/// 4).
 std::optional<std::array<Matrix3d, 2>> rotations_of(const Matrix3d& h) {
   const Vector2d centre(h(0, 2), h(1, 2));  // h(2, 2) is 1.
   const Matrix2d jacobian = h.topLeftCorner<2, 2>() - centre * h.block<1, 2>(2, 0);
@@ -68,12 +70,12 @@ std::optional<std::array<Matrix3d, 2>> rotations_of(const Matrix3d& h) {
       Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), Vector3d(centre.x(), centre.y(), 1.0)).toRotationMatrix();
   const Matrix2d b = turned.topLeftCorner<2, 2>() - centre * turned.block<1, 2>(2, 0);
   const Matrix2d a = b.inverse() * jacobian;
-  // The larger singular value of a 2x2 matrix: half the sum of the sizes of its rotating and its mirroring part.
+  // The larger singular value of a 2x2 matrix is half the sum of the sizes of its rotating and its mirroring part.
   const double scale =
       0.5 * (std::hypot(a(0, 0) + a(1, 1), a(1, 0) - a(0, 1)) + std::hypot(a(0, 0) - a(1, 1), a(1, 0) + a(0, 1)));
   if (!(std::isfinite(scale) && scale > 1e-12)) return std::nullopt;
   const Matrix2d r = a / scale;
-  // The missing component of unit columns is their depth; its sign is free, but common to both columns.
+  // The missing component of a unit column is its depth; its sign is free, but common to both columns.
   double p = std::sqrt(std::max(0.0, 1.0 - r.col(0).squaredNorm()));
   double q = std::sqrt(std::max(0.0, 1.0 - r.col(1).squaredNorm()));
   if (r.col(0).dot(r.col(1)) > 0.0) q = -q;

@@ -20,18 +20,18 @@ bool has_tag(const Wand& wand, int id) {
 }
 
 bool is_near(const tags::TagDetection& a, const tags::TagDetection& b) {
-  // Neighbours on one wand are closer than this, in units of the larger one's size.
+  // Distance between neighbours on one wand, at most, in sizes of the larger tag.
   constexpr double kFarSizes = 4.0;
   const double larger = std::max(tags::doubled_area_px2(a.corners), tags::doubled_area_px2(b.corners));
   return (a.corners[0] - b.corners[0]).squaredNorm() < kFarSizes * kFarSizes * 0.5 * larger;
 }
 
-/// Groups the detections by pattern, in the order of their largest tags.
+/// Groups the detections by pattern. Patterns are in the order of their largest tags.
 std::vector<SeenPattern> patterns_in(const PatternSettings& settings, std::span<const tags::TagDetection> detections) {
   std::vector<SeenPattern> patterns;
-  for (const tags::TagDetection& detection : detections) {  // The largest comes first.
+  for (const tags::TagDetection& detection : detections) {  // The largest tags come first.
     const auto known = std::find_if(patterns.begin(), patterns.end(), [&](const SeenPattern& pattern) {
-      // Two cards of one number are two patterns if they are far apart.
+      // Two cards with the same number are two patterns if they are far apart.
       return has_tag(pattern.wand, detection.id) && is_near(pattern.tags.front(), detection) &&
              std::none_of(pattern.tags.begin(), pattern.tags.end(),
                           [&](const tags::TagDetection& tag) { return tag.id == detection.id; });
@@ -50,8 +50,8 @@ std::vector<SeenPattern> patterns_in(const PatternSettings& settings, std::span<
   return patterns;
 }
 
-/// Returns whether a visitor may steer by it. A single small tag has two poses that turn the view to opposite sides;
-/// until the choice is certain, waiting is better than turning the wrong way.
+/// Returns whether a visitor may steer by `chosen`. A single small tag has two poses that turn the view to opposite
+/// sides; until the choice is certain, waiting is better than turning the wrong way.
 bool is_told_apart(const ChosenPose& chosen) {
   constexpr double kSure = 0.999;
   constexpr double kOppositeRad = 0.35;
@@ -90,7 +90,7 @@ TrackingResult track(const TrackingSettings& settings, const TrackingState& last
   const auto poses = estimate_wand_poses(pattern->wand, pattern->tags, settings.corner_floor_px, lens);
   if (!poses) return {last, std::nullopt};
 
-  // Another pattern's history does not apply to this one.
+  // The state of another pattern does not apply to this pattern.
   TrackingState state = last.id == pattern->wand.id() ? last : TrackingState{};
   const ChosenPose chosen = choose(settings.chooser, state.hypotheses, *poses, captured_at);
   state.id = pattern->wand.id();

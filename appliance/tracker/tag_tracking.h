@@ -14,28 +14,28 @@ namespace cyclorama::tracker {
 
 /// The patterns that visitors may hold: the standard wands, wands that were measured, or flat tags of one size.
 struct PatternSettings {
-  std::vector<Wand> wands;                ///< From wand.toml files; they replace the standard ones.
-  std::optional<double> flat_tag_size_m;  ///< Every single tag is a pattern of this size; replaces all wands.
+  std::vector<Wand> wands;                ///< Measured wands, from wand.toml files; they replace the standard wands.
+  std::optional<double> flat_tag_size_m;  ///< If set, tags are flat patterns of this size, and there are no wands.
   /// Number of the only standard wand, or id of the only flat tag; absent: any.
   std::optional<int> only;
 
-  /// Returns the pattern that a tag belongs to; empty for an unknown tag.
+  /// Returns the pattern with the tag `tag_id`; empty if no pattern has it.
   [[nodiscard]] std::optional<Wand> pattern_of(int tag_id) const;
 };
 
 struct TrackingSettings {
   PatternSettings patterns;
-  /// Contribution of lens, paper and folding to each corner's deviation, px. The default was measured on rendered
-  /// pictures; on a real card it is about 0.1. More than 0.
+  /// Standard deviation of each corner due to lens, paper and folding, px. The default was measured on rendered
+  /// pictures; for a real card it is about 0.1. More than 0.
   double corner_floor_px = 0.03;
   ChooserSettings chooser;
-  /// Both lie at the knee of the curve of `./bench.sh visitor-trade`: 5 and 3 ms of delay in motion, with the jitter of
-  /// a cut-off of 2 Hz.
+  /// Settings of both filters, at the knee of the curve of `./bench.sh visitor-trade`: 5 and 3 ms of delay in motion,
+  /// with the jitter of a cut-off of 2 Hz.
   OneEuroSettings position{2.0, 120.0, 1.0};
   OneEuroSettings rotation{2.0, 60.0, 1.0};
 };
 
-/// State from picture to picture; empty at the start.
+/// State between two pictures; empty at the start.
 struct TrackingState {
   std::optional<int> id;  ///< Wand::id() of the followed pattern.
   TimePoint seen_at{};
@@ -47,10 +47,10 @@ struct TrackingState {
 /// The followed pattern in one picture.
 struct TrackedTag {
   Wand wand;
-  std::vector<tags::TagDetection> seen;  ///< Its tags in this picture, the largest first; at least one.
+  std::vector<tags::TagDetection> seen;  ///< The pattern's tags in this picture, the largest first; at least one.
   TagPoses measured;                     ///< Both hypotheses, unfiltered, with their misfits.
   ChosenPose chosen;                     ///< The chosen hypothesis, with its probability.
-  /// Covariance of the chosen pose, including the chance that the other is right (wand_pose.h).
+  /// Covariance of the chosen pose, including the chance that the other hypothesis is right (wand_pose.h).
   Matrix6d covariance;
   T_CameraTag T_camera_tag;  ///< The chosen pose, filtered; the tour steers by it.
 };
@@ -61,7 +61,7 @@ struct TrackingResult {
   std::optional<TrackedTag> tag;
 };
 
-/// Follows one pattern: the same as before while it is visible or was lost for less than kKeepFor, else the largest.
+/// Follows one pattern: the pattern of `last` while it is visible or was lost for less than kKeepFor, else the largest.
 /// Pure.
 [[nodiscard]] TrackingResult track(const TrackingSettings& settings, const TrackingState& last,
                                    std::span<const tags::TagDetection> detections, const Pinhole& lens,

@@ -17,7 +17,7 @@ namespace {
 constexpr std::chrono::milliseconds kLookAround(200);
 constexpr Duration kFirstPause = std::chrono::milliseconds(100);
 constexpr Duration kMaxPause = std::chrono::seconds(2);
-/// After a stream that lasted this long, the next is tried at once.
+/// After a stream that lasted longer than this, the pause is short again.
 constexpr Duration kGoodStream = std::chrono::seconds(5);
 
 PoseReport report_of(const wire::TrackedPose& pose) {
@@ -69,7 +69,7 @@ void TourLink::run(const std::stop_token& stop) {
     const TimePoint began = clock.now();
     stream(stop);
     if (clock.now() - began > kGoodStream) pause = kFirstPause;
-    // The tour ends the stream, perhaps because it is starting. Poses in the outbox become stale in the meantime.
+    // The tour ended the stream, perhaps because it is starting. Poses in the outbox become stale in the meantime.
     const TimePoint until = clock.now() + pause;
     while (clock.now() < until && !outbox_.is_closed()) static_cast<void>(outbox_.take_before(until));
     pause = std::min(2 * pause, kMaxPause);
@@ -94,7 +94,7 @@ void TourLink::stream(const std::stop_token& stop) {
     ++sent_;
   }
   connected_ = false;
-  context.TryCancel();  // Without this, Finish() would wait for a tour that may never answer.
+  context.TryCancel();  // Without it, Finish() would wait for a tour that may never answer.
   static_cast<void>(writer->Finish());
   const std::lock_guard lock(mutex_);
   context_ = nullptr;

@@ -20,20 +20,20 @@ class ClientContext;
 
 namespace cyclorama::tracker {
 
-/// The tracker's connection to the tour: connects, streams poses, reconnects without end, on a thread `link` of its
-/// own. A pose that cannot be sent at once is replaced by the next; none is sent late. Thread-safe.
+/// The tracker's connection to the tour: connects, streams poses, and reconnects without end, on a thread of its own,
+/// `link`. A pose that cannot be sent at once is replaced by the next one; none is sent late. Thread-safe.
 class TourLink {
  public:
-  /// Errors: kInvalidArgument if it is no address. An unreachable tour is no error.
+  /// Errors: kInvalidArgument if `address` is not an address. An unreachable tour is no error.
   static Result<std::unique_ptr<TourLink>> open(const std::string& address);
-  /// Cancels the stream and joins; blocks for at most about half a second.
+  /// Cancels the stream and joins the thread; blocks for at most about half a second.
   ~TourLink();
   TourLink(const TourLink&) = delete;
   TourLink& operator=(const TourLink&) = delete;
 
-  /// Never blocks for long.
+  /// Sends `pose`, or replaces one that waits. Never blocks for long.
   void send(wire::TrackedPose pose);
-  /// Sends each pose to other programs, too. Call it before the first send().
+  /// Also sends each pose to other programs. To be called before the first send().
   void also_send_to(PoseSender speaker) { pose_sender_ = std::move(speaker); }
   [[nodiscard]] bool is_connected() const { return connected_; }
   [[nodiscard]] std::uint64_t sent() const { return sent_; }

@@ -19,7 +19,8 @@ namespace cyclorama::tracker {
 namespace {
 
 constexpr Duration kLookAround = std::chrono::milliseconds(200);
-/// A search of the largest supported picture takes about four seconds on a slow core.
+/// Time without activity after which a thread counts as stuck. A search of the largest supported picture takes about
+/// four seconds on a slow core.
 constexpr Duration kStuckAfter = std::chrono::seconds(15);
 constexpr const char* kPicture = "camera";
 
@@ -30,7 +31,7 @@ void add_stage(const char* name, Duration duration, InspectionService* inspectio
   stage->set_seconds(to_seconds(duration));
 }
 
-/// Adds the 21 numbers of the wire format.
+/// Adds the upper triangle of the covariance, 21 numbers, row by row.
 void add_covariance(const Matrix6d& covariance, wire::TrackedPose* ret_pose) {
   for (Eigen::Index row = 0; row < 6; ++row) {
     for (Eigen::Index column = row; column < 6; ++column) ret_pose->add_covariance(covariance(row, column));
@@ -46,8 +47,8 @@ void set_pose(const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag, wir
   ret_pose->set_rotation_z(rotation.z());
 }
 
-/// Returns a large covariance for everything that one camera cannot measure of a body: its turns except the lean, and
-/// its height.
+/// Returns the covariance of a body's pose. It is large for everything that one camera cannot measure of a body: its
+/// turns, except the lean, and its height.
 Matrix6d covariance_of(const BodyPose& pose) {
   constexpr double kAnyTurn = 1.0, kAnyHeight = 0.3;
   Eigen::Matrix<double, 6, 1> deviations;

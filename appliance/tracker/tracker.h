@@ -16,26 +16,26 @@
 
 namespace cyclorama::tracker {
 
-/// The process behind cyclorama-tracker: camera in, poses out.
+/// The process behind cyclorama-tracker: reads camera pictures and sends poses.
 ///
 ///   camera ─▶ capture ─▶ newest frame ─▶ detect ─▶ newest pose ─▶ link ─▶ tour
 ///
-/// Every picture that is searched gives one TrackedPose, found or not. No external failure ends it: without camera or
-/// tour it reports that in its state and keeps trying.
+/// Every picture that is searched gives one TrackedPose, whether a pattern was found or not. No external failure ends
+/// the tracker: without camera or tour it reports the failure in its state and keeps trying.
 class Tracker {
  public:
   /// Borrows `clock` and `inspection`. Errors: kInvalidArgument if a setting can never work: the camera's kind, an
-  /// address, the detector.
+  /// address, or the detector's settings.
   static Result<std::unique_ptr<Tracker>> start(const TrackerSettings& settings, const Clock& clock,
                                                 InspectionService* inspection);
   ~Tracker();
   Tracker(const Tracker&) = delete;
   Tracker& operator=(const Tracker&) = delete;
 
-  /// Updates state and gauges; call it about twice a second. Thread-bound. Returns false if a thread has been stuck for
-  /// longer than any picture takes; only a restart helps then.
+  /// Updates state and gauges; to be called about twice a second. Thread-bound. Returns false if a thread has been
+  /// stuck for longer than any picture takes; then only a restart helps.
   bool supervise();
-  /// Returns the sentence that supervise() gave to the inspection.
+  /// Returns the sentence that supervise() passed to the inspection.
   [[nodiscard]] const std::string& state() const { return state_; }
 
  private:
@@ -58,18 +58,18 @@ class Tracker {
   TrackingState tracking_;           ///< Used by the detect thread.
   std::optional<BodyTracker> body_;  ///< Used by the detect thread; only if visitors steer by the body.
   std::unique_ptr<TourLink> link_;
-  /// Opened at the start, to report mistakes at once; then used by the capture thread.
+  /// Opened at the start, so that mistakes are reported at once; later used by the capture thread.
   std::unique_ptr<camera::Camera> first_camera_;
   Capture capture_;
   std::atomic<TimePoint> detect_alive_at_;
   std::atomic<std::uint64_t> pictures_ = 0;
-  std::atomic<int> followed_ = -1;          ///< Wand::id() in the newest picture; -1 without one.
+  std::atomic<int> followed_ = -1;          ///< Wand::id() of the pattern in the newest picture; -1 without one.
   std::atomic<bool> does_lens_fit_ = true;  ///< True if the calibrated lens fits the newest picture's size.
   std::atomic<const char*> body_state_ = "";
   std::uint64_t counted_pictures_ = 0;
   TimePoint counted_at_{};
   std::string state_;
-  std::jthread thread_;  ///< Thread `detect`. Last member, since it uses all the others.
+  std::jthread thread_;  ///< The detect thread. Last member, since it uses all the others.
 };
 
 }  // namespace cyclorama::tracker

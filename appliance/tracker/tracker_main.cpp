@@ -19,7 +19,7 @@ namespace {
 
 constexpr Duration kSupervisePeriod = std::chrono::milliseconds(500);
 
-/// Options of the command line; each overrides the file.
+/// Options of the command line; each overrides the settings file.
 struct Options {
   std::string config;
   std::optional<std::string> camera;
@@ -68,7 +68,7 @@ void add_options(CLI::App* app, Options* ret) {
                 "List the cameras that are plugged in, each with its lines for tracker.toml, and end");
 }
 
-/// Prints a block per camera that can be pasted into tracker.toml.
+/// Prints, for each camera, a block that can be pasted into tracker.toml.
 void print_cameras() {
   const std::vector<camera::ListedCamera> cameras = devices::list_cameras();
   if (cameras.empty()) fmt::print("# No camera is plugged in, or none that the kernel or libcamera drives.\n");
@@ -128,7 +128,7 @@ Status run(const Options& options, const StopSignal& stop) {
   std::string shown;
   do {
     if (tracker->supervise()) notify.keep_alive(clock.now());
-    // The rate changes all the time; only a changed situation is logged.
+    // The rate changes all the time, so only a changed situation is logged.
     const std::string situation = tracker->state().substr(0, tracker->state().find(','));
     if (situation != shown) {
       notify.status(tracker->state());

@@ -35,7 +35,7 @@ Status read_camera_table(ConfigTable camera, const std::filesystem::path& folder
   return Done{};
 }
 
-/// Reads [tag]: flat tags, and [wand]: standard wands, or measured ones.
+/// Reads [tag] (flat tags) and [wand] (standard or measured wands).
 Status read_patterns(ConfigTable root, const std::filesystem::path& folder, TrackerSettings* ret) {
   const bool has_tag = root.has("tag");
   ConfigTable tag = root.table("tag");

@@ -15,13 +15,15 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Two minima that differ by less count as one.
+/// Angle between two minima below which they count as one.
 constexpr double kSamePoseRad = 0.01;
-/// A second pose is dropped if its misfit exceeds the best one's by this: its odds are then exp(-kHopeless / 2).
+/// A second pose is dropped if its misfit exceeds the best one's by more than this: its odds are then exp(-kHopeless /
+/// 2).
 constexpr double kHopeless = 60.0;
-/// Misfit added by a tag that should be visible and is not found: odds of only e to 1, since hands cover tags.
+/// Misfit added by a tag that should be visible but is not found: odds of only e to 1, since hands cover tags.
 constexpr double kMissingTag = 2.0;
-/// A tag "should be visible" if it is this large, turned towards the camera by this much and inside the picture.
+/// A tag should be visible if it is this large, turned towards the camera by this much, and this far inside the
+/// picture.
 constexpr double kSurelySeenSidePx = 11.0;
 constexpr double kSurelySeenCosine = 0.5;
 constexpr double kInsidePx = 6.0;
@@ -86,7 +88,7 @@ bool is_seen(const WandTag& tag, std::span<const Match> matches) {
   return std::any_of(matches.begin(), matches.end(), [&](const Match& match) { return match.tag == &tag; });
 }
 
-/// Returns the refined pose with its misfit; empty if a visible tag would face away.
+/// Returns the refined pose with its misfit; empty if the pose would turn a visible tag away from the camera.
 std::optional<TagPose> explain(const Wand& wand, std::span<const Match> matches, std::span<const SeenPoint> points,
                                const T_CameraTag& start, const Pinhole& lens) {
   std::optional<TagPose> pose = fit_pose(points, start, lens);

@@ -6,7 +6,7 @@
 namespace cyclorama::warp {
 namespace {
 
-/// Returns 1 in the middle of the picture, 0 at its edges.
+/// Returns 1 in the middle of the picture, falling to 0 at its edges: r of blend_weights().
 double inwardness(const Pinhole& lens, const Eigen::Vector2d& pixel) {
   const double w = lens.width_px;
   const double h = lens.height_px;

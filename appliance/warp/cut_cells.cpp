@@ -10,7 +10,7 @@ namespace cyclorama::warp {
 namespace {
 
 using Line = Eigen::Hyperplane<double, 2>;
-using Polygon = std::vector<std::uint32_t>;  ///< Convex.
+using Polygon = std::vector<std::uint32_t>;  ///< A convex polygon, as indices of its corners.
 
 constexpr double kOnLine_px = 1e-6;
 
@@ -39,7 +39,7 @@ class Cutter {
     return parts;
   }
 
-  /// Builds triangles around the polygon's middle, so that none of its corners is skipped.
+  /// Triangulates the polygon around its middle, so that none of its corners is skipped.
   void triangulate(const Polygon& polygon, std::vector<std::uint32_t>* corners) {
     if (polygon.size() == 3) {
       corners->insert(corners->end(), polygon.begin(), polygon.end());
@@ -62,7 +62,7 @@ class Cutter {
 
   std::uint32_t cut_between(const Line& line, std::uint32_t from, std::uint32_t to) {
     const auto key = [&](std::uint32_t v) { return std::pair(positions_[v].x(), positions_[v].y()); };
-    if (key(to) < key(from)) std::swap(from, to);  // Both neighbours compute with the same order.
+    if (key(to) < key(from)) std::swap(from, to);  // Both neighbouring cells thus compute in the same order.
     const double a = line.signedDistance(positions_[from]);
     const double b = line.signedDistance(positions_[to]);
     const Eigen::Vector2d position = positions_[from] + a / (a - b) * (positions_[to] - positions_[from]);

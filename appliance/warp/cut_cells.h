@@ -9,10 +9,10 @@
 
 namespace cyclorama::warp {
 
-/// A regular grid's cells, cut along lines through the whole picture: the same line cuts neighbours at exactly the same
-/// points, so that there are no gaps between them.
+/// The cells of a regular grid, cut along lines through the whole picture. A line cuts neighbouring cells at exactly
+/// the same points, so that there are no gaps between them.
 struct CutGrid {
-  std::vector<Eigen::Vector2d> positions;  ///< Corners of the grid, row by row, then vertices of the cuts.
+  std::vector<Eigen::Vector2d> positions;  ///< Corners of the grid, row by row, then the cuts' vertices.
   std::vector<CutCell> cuts;               ///< Sorted by ascending cell.
 };
 [[nodiscard]] CutGrid cut_grid(const Eigen::Vector2d& size_px, int cells_x, int cells_y,

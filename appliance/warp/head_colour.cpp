@@ -9,7 +9,7 @@
 namespace cyclorama::warp {
 namespace {
 
-/// IEC 61966-2-1.
+/// Returns the sRGB code for `light` (IEC 61966-2-1).
 double srgb_code(double light) {
   return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;
 }
@@ -27,7 +27,7 @@ ResponseCurve sampled(std::size_t steps, const CodeOfLight& code) {
   return curve;
 }
 
-double clipped(double light) { return light > 0.0 ? std::min(light, 1.0) : 0.0; }  // NaN too.
+double clipped(double light) { return light > 0.0 ? std::min(light, 1.0) : 0.0; }  // NaN also becomes 0.
 
 }  // namespace
 

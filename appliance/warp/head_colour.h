@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Compensation of one projector's colours: from the light that the wall should get to the code values that make the
-/// projector emit it. Found by calibration; without it a head is treated as an sRGB display.
+/// Compensation of one projector's colours: converts the light that the wall should get to the code values that make
+/// the projector emit that light. Measured by calibration; without it a head is treated as an sRGB display.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,15 +12,15 @@
 
 namespace cyclorama::warp {
 
-using BlackLiftImage = Image<float, 1>;  ///< A factor in [0, 1] on the head's black per projector pixel.
+using BlackLiftImage = Image<float, 1>;  ///< A factor in [0, 1] on HeadColour::black per projector pixel.
 
-/// The code value in [0, 1] for a channel's light in [0, 1]. The values are sampled at even steps of the light's square
-/// root, from 0 to 1, where all devices' curves are nearly straight, and interpolated linearly.
+/// The code value in [0, 1] for a channel's light in [0, 1]. Codes are sampled at even steps of the light's square
+/// root, from 0 to 1, and interpolated linearly, because the curves of all devices are nearly straight over that root.
 struct ResponseCurve {
   std::vector<float> codes;  ///< At least two.
 
   [[nodiscard]] bool is_valid() const;
-  /// Clips `light` to [0, 1].
+  /// Returns the code value for `light`, which is clipped to [0, 1].
   [[nodiscard]] double code_of(double light) const;
   /// Returns the same curve with `steps` values.
   [[nodiscard]] ResponseCurve resampled(std::size_t steps) const;
@@ -29,18 +29,19 @@ struct ResponseCurve {
   static ResponseCurve power(double gamma, std::size_t steps);
 };
 
-/// Colour pipeline of a head; absent steps cost nothing. In linear light and in this order: the blend mask has been
-/// applied; `matrix`; `black`; clipping to [0, 1]; `response`. A value; reentrant.
+/// Colour pipeline of a head; absent steps cost nothing. It works on linear light to which the blend mask has been
+/// applied, in this order: `matrix`; `black`; clipping to [0, 1]; `response`. A value; reentrant.
 struct HeadColour {
-  std::optional<Eigen::Matrix3d> matrix;  ///< From the primaries of the wall to those of the projector.
-  /// Added where `black_lift` is 1: the other projectors' black levels.
+  std::optional<Eigen::Matrix3d> matrix;  ///< Converts from the wall's primaries to the projector's.
+  /// Light added in full where `black_lift` is 1: the black levels of the other projectors.
   Eigen::Vector3d black = Eigen::Vector3d::Zero();
-  std::optional<BlackLiftImage> black_lift;              ///< Has the head's size.
+  std::optional<BlackLiftImage> black_lift;              ///< If present, it has the head's size.
   std::optional<std::array<ResponseCurve, 3>> response;  ///< Red, green, blue; absent: sRGB.
 };
 
-/// Reference implementation in double. Returns the light that the projector must emit for masked linear light, which may
-/// be outside [0, 1]; the other function returns the code values for it, in [0, 1] and not rounded.
+/// Reference implementation in double precision. shone_light() returns the light that the projector must emit for
+/// masked linear light; it may lie outside [0, 1]. codes_of() returns the code values for that light, in [0, 1] and not
+/// rounded.
 [[nodiscard]] Eigen::Vector3d shone_light(const HeadColour& colour, const Eigen::Vector3d& masked_light,
                                           double black_lift);
 [[nodiscard]] Eigen::Vector3d codes_of(const HeadColour& colour, const Eigen::Vector3d& shone_light);

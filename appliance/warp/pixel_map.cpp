@@ -5,7 +5,7 @@
 
 namespace cyclorama::warp {
 namespace {
-// Measured by ./bench.sh display-trade on a software rasteriser: with narrower cells the map is faster.
+// Width of cells below which a pixel map is faster, measured by ./bench.sh display-trade on a software rasteriser.
 constexpr int kMinCellPx = 12;
 }  // namespace
 
@@ -31,7 +31,7 @@ Result<Warp> make_warp(const ProjectorMap& map, const PictureShape& picture, dou
   TRY(validate(picture));
   if (auto patches = make_warp_patches(map, picture, tolerance_px)) return Warp(*std::move(patches));
   const int max = std::max(1, map.lens().width_px * map.lens().height_px / (kMinCellPx * kMinCellPx));
-  // With this many lines, the pieces between them are that small already.
+  // With this many lines, the pieces between them are already as small as that limit.
   const std::size_t creases = map.creases().size();
   if (creases * creases / 2 > static_cast<std::size_t>(max)) return Warp(make_pixel_map(map, picture));
   auto mesh = make_warp_mesh(map, picture, tolerance_px, max);

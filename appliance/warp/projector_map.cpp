@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kInFront_m = 1e-3;  // Distance from the lens below which points are clipped.
 
-/// Returns whether a part of a segment lies in the picture. Liang and Barsky, ACM TOG 3(1), 1984.
+/// True if a part of the segment lies in the picture (Liang and Barsky, ACM TOG 3(1), 1984).
 bool crosses(const Pinhole& lens, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   double from = 0.0;
   double to = 1.0;

@@ -14,9 +14,11 @@ namespace {
 
 constexpr int kMinCells = 4;
 constexpr double kAlike = 1.1;
-constexpr int kSamplesPerCell = 4;  // Each way; a cell's maximum error lies in its middle or on the middle of an edge.
+// In each direction; a cell's error is largest in its middle or in the middle of an edge.
+constexpr int kSamplesPerCell = 4;
 
-/// Limit for a free-form wall, the sharpest first; fine cells approximate the others.
+/// Maximum number of creases along which a free-form wall's cells are cut, the sharpest first; fine cells approximate
+/// the other creases.
 constexpr std::size_t kMaxLines = 256;
 
 WarpMesh sampled(const ProjectorMap& map, const PictureShape& picture,
@@ -37,7 +39,7 @@ WarpMesh sampled(const ProjectorMap& map, const PictureShape& picture,
   return mesh;
 }
 
-/// Returns infinity if a pixel that meets the wall lies in no triangle.
+/// Returns the mesh's maximum error on the wall; infinity if a pixel that meets the wall lies in no triangle.
 double worst_error(const ProjectorMap& map, const WarpMesh& mesh, const PictureShape& picture) {
   const PixelScale scale = pixel_scale(picture);
   const int across = mesh.cells_x * kSamplesPerCell;
@@ -68,7 +70,7 @@ std::optional<PanoramaDirection> mixed(const WarpVertex& a, double of_a, const W
                            mix(a.tan_elevation, b.tan_elevation, c.tan_elevation)};
 }
 
-/// Interpolates in the triangle of a cut cell that contains the position, or is nearest to it.
+/// Interpolates in the triangle of a cut cell that contains `pixel`, or that is nearest to it.
 std::optional<PanoramaDirection> in_cut_cell(const CutCell& cell, const std::vector<WarpVertex>& vertices,
                                              const Eigen::Vector2d& pixel) {
   const auto at = [](const WarpVertex& v) { return Eigen::Vector2d(v.x_px, v.y_px); };
@@ -162,13 +164,13 @@ Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const PictureShape& pic
                       "meets it at a grazing angle, or sees one part of it behind another; move it",
                       tolerance_px, mesh.worst_error_px));
     }
-    // Halves the cells along the direction that gains more: a cylinder bends horizontally and is nearly straight
+    // Halves the cells in the direction that gains more: a cylinder bends horizontally and is nearly straight
     // vertically.
     WarpMesh narrower = meshed(2 * mesh.cells_x, mesh.cells_y);
     WarpMesh flatter = meshed(mesh.cells_x, 2 * mesh.cells_y);
     const bool is_wide = mesh.cells_x < lens.width_px;
     const bool is_high = mesh.cells_y < lens.height_px;
-    // If both gain alike, halves the longer side, since cards are slow with slivers.
+    // If both gain alike, halves the longer side, since graphics cards are slow with slivers.
     const bool is_broad = lens.width_px * mesh.cells_y >= lens.height_px * mesh.cells_x;
     const double favour = is_broad ? kAlike : 1.0 / kAlike;
     const bool across = is_wide && (!is_high || narrower.worst_error_px <= favour * flatter.worst_error_px);

@@ -14,13 +14,13 @@ namespace cyclorama::warp {
 namespace {
 
 constexpr int kTerms = 6;
-// Each way, at Chebyshev's nodes: the fit is close to the one with the smallest maximum error.
+// Nodes in each direction, at Chebyshev's positions: the fit is then close to the one with the smallest maximum error.
 constexpr int kNodes = 5;
-constexpr int kChecks = 9;  // Each way, from edge to edge.
-// With 64x48 pixels a head takes 7 % longer than with the largest (./bench.sh display-trade); smaller ones were not
-// tested.
+constexpr int kChecks = 9;  // Checked positions in each direction, from edge to edge.
+// With patches of 64x48 pixels a head takes 7 % longer than with the largest (./bench.sh display-trade); smaller
+// patches were not tested.
 constexpr int kMinPatchPx = 48;
-constexpr int kBlockPx = 16;  // Sides are multiples of it, since rasterisers work in blocks.
+constexpr int kBlockPx = 16;  // Sides of patches are multiples of this, since rasterisers work in blocks.
 constexpr double kAlike = 1.1;
 
 using Terms = Eigen::Matrix<double, 1, kTerms>;
@@ -48,7 +48,7 @@ Extent extent_of(const WarpPatches& grid, int column, int row) {
   return {min, (Eigen::Vector2d(grid.width_px, grid.height_px) - min).cwiseMin(whole)};
 }
 
-/// Empty if a node has no position.
+/// Returns the fitted patch; empty if a node has no position.
 std::optional<WarpPatch> fitted(const ProjectorMap& map, const PictureShape& picture, const WarpPatches& grid,
                                 const Extent& extent) {
   Eigen::Matrix<double, kNodes * kNodes, kTerms> design;
@@ -88,7 +88,7 @@ double worst_error(const ProjectorMap& map, const PictureShape& picture, const W
   return worst;
 }
 
-/// Empty if a pixel has no position.
+/// Returns the fitted patches; empty if a pixel has no position.
 std::optional<WarpPatches> fitted(const ProjectorMap& map, const PictureShape& picture, int patch_width_px,
                                   int patch_height_px) {
   WarpPatches grid{map.lens().width_px, map.lens().height_px, patch_width_px, patch_height_px, {}, 0.0};

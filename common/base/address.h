@@ -13,13 +13,13 @@ struct Address {
   int port = 0;
 };
 
-/// Parses HOST:PORT. Errors: kInvalidArgument if the text has another form; an IPv6 address needs its brackets.
+/// Parses HOST:PORT. Errors: kInvalidArgument if the text has another form; an IPv6 address must be in brackets.
 Result<Address> parse_address(const std::string& text);
 
-/// Returns true for a socket in the file system, given by its absolute path. Whoever may open the file may connect.
+/// True for a socket in the file system, given by its absolute path. Every user who may open that file may connect.
 [[nodiscard]] bool is_unix_socket(const std::string& text);
 
-/// Returns true if only this machine can reach the address: localhost, 127.0.0.0/8, ::1, or a Unix socket.
+/// True if only this machine can reach the address: localhost, 127.0.0.0/8, ::1, or a Unix socket.
 [[nodiscard]] bool is_loopback(const std::string& text);
 
 }  // namespace cyclorama

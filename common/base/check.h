@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// CHECK(condition) stops the process at a bug (a broken precondition or invariant), in every build; systemd restarts
-/// the process, and the core file shows the place. It is never used for input, config, wire or device data: those
-/// return an Error.
+/// CHECK(condition) aborts the process on a bug (a broken precondition or invariant), in every build. systemd restarts
+/// the process, and the core file shows where it stopped. Input, settings, messages and device data are never checked
+/// with it: they return an Error.
 #pragma once
 
 #include <cstdio>

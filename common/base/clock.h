@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Time is CLOCK_MONOTONIC, as V4L2 and DRM report it. Code receives its clock from the caller, so that tests control
-/// it.
+/// Time is CLOCK_MONOTONIC, which V4L2 and DRM also report. Code receives its clock from the caller, so that tests
+/// control time.
 #pragma once
 
 #include <chrono>
@@ -12,12 +12,12 @@ namespace cyclorama {
 using TimePoint = std::chrono::steady_clock::time_point;
 using Duration = std::chrono::steady_clock::duration;
 
-/// Thread-safe.
+/// A source of time. Thread-safe.
 class Clock {
  public:
   virtual ~Clock() = default;
   [[nodiscard]] virtual TimePoint now() const = 0;
-  /// Blocks until now() has reached `t`. A test's clock advances itself to `t` instead.
+  /// Blocks until now() has reached `t`. The clock of a test advances itself to `t` instead.
   virtual void wait_until(TimePoint t) const { std::this_thread::sleep_until(t); }
 
  protected:
@@ -32,7 +32,7 @@ class SteadyClock final : public Clock {
   [[nodiscard]] TimePoint now() const override { return std::chrono::steady_clock::now(); }
 };
 
-/// Conversions for the wire and for pages. A time point has a meaning only on the machine that made it.
+/// Conversions for the wire and for pages. A time point is meaningful only on the machine that made it.
 [[nodiscard]] inline std::int64_t to_nanoseconds(TimePoint t) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(t.time_since_epoch()).count();
 }

@@ -19,12 +19,12 @@ bool ClockOffset::add(const ClockExchange& exchange) {
       static_cast<std::uint64_t>(exchange.answered_ns) - static_cast<std::uint64_t>(exchange.received_ns);
   if (away < Duration::zero() || away > kMaxRoundTrip) return false;
   const auto away_ns = static_cast<std::uint64_t>(away.count());
-  // Also true if the answer precedes the question's arrival: the unsigned difference is then huge.
+  // Also true if the answer was sent before the request arrived: the unsigned difference is then huge.
   if (held > away_ns) return false;
   const std::uint64_t half_trip_ns = (away_ns - held) / 2;
   const auto heard_ns = static_cast<std::uint64_t>(to_nanoseconds(exchange.heard));
   const Sample sample{static_cast<std::uint64_t>(exchange.answered_ns) + half_trip_ns - heard_ns,
-                      // One more, because the division rounds down.
+                      // Plus one, because the division rounds down.
                       std::chrono::nanoseconds(half_trip_ns + 1), exchange.heard};
   if (const ClockReading known = reading(sample.heard); known.is_known) {
     const auto apart = static_cast<std::int64_t>(sample.offset_ns - known.offset_ns);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// CPU time of a thread, without the time that it waited. Thread-safe.
+/// CPU time of a thread; waiting does not count. Thread-safe.
 #pragma once
 
 #include <time.h>

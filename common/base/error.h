@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Errors as values: described once, where they happen.
+/// Errors as values, described once, where they happen.
 #pragma once
 
 #include <string>
@@ -7,18 +7,18 @@
 
 namespace cyclorama {
 
-/// Coarse kind; callers branch on this and on nothing else.
+/// Coarse kind of an error; callers branch on nothing else.
 enum class ErrorCode {
-  kInvalidArgument,  ///< The caller's input can never work.
+  kInvalidArgument,  ///< The caller's input can never succeed.
   kNotFound,         ///< A device, file or peer is absent.
-  kBusy,             ///< Held by another process; retrying may help.
-  kUnavailable,      ///< Transient: link down, node restarting. Retry with backoff.
+  kBusy,             ///< Held by another process; retrying later may help.
+  kUnavailable,      ///< A transient failure, such as a link that is down or a node that restarts. Retry with back-off.
   kTimedOut,         ///< A deadline passed.
   kBadData,          ///< Received bytes are not in the promised form.
   kSystem,           ///< The reason is in errno.
 };
 
-/// Source line that made an error. Has the shape of std::source_location, which clang-tidy 14 cannot parse.
+/// Source line where an error was made. Has the shape of std::source_location, which clang-tidy 14 cannot parse.
 struct SourceLine {
   const char* file = "";
   int line = 0;
@@ -36,7 +36,7 @@ class Error {
   static Error from_errno(std::string_view doing,
                           SourceLine where = SourceLine::current());
 
-  /// Prefixes the caller's action: "lighting projector 2: opening '/dev/dri/card0': Device or resource busy".
+  /// Puts the caller's action in front: "lighting projector 2: opening '/dev/dri/card0': Device or resource busy".
   [[nodiscard]] Error while_doing(std::string_view doing) &&;
 
   [[nodiscard]] ErrorCode code() const { return code_; }

@@ -19,7 +19,7 @@ struct OpenFile {
 
 Result<OpenFile> open_regular(const std::filesystem::path& path) {
   OpenFile file;
-  // O_NONBLOCK: a named pipe in place of a file must not hang us; it has no effect on regular files.
+  // O_NONBLOCK: a named pipe in place of a file must not block this process. It has no effect on regular files.
   file.fd = UniqueFd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file.fd.is_open()) return Error::from_errno(fmt::format("opening '{}'", path.string()));
   struct stat info {};
@@ -45,7 +45,7 @@ Result<Container> read_into(const std::filesystem::path& path, std::size_t limit
     const ssize_t n = ::read(file.fd.get(), content.data() + done, content.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return Error::from_errno(fmt::format("reading '{}'", path.string()));
-    if (n == 0) break;  // The file was truncated meanwhile: return what there is.
+    if (n == 0) break;  // The file was truncated meanwhile; what remains is returned.
     done += static_cast<std::size_t>(n);
   }
   content.resize(done);

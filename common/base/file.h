@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Reading and writing of whole files, with limits and with errors that name the file.
+/// Reads and writes whole files, with limits, and with errors that name the file.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +15,12 @@
 namespace cyclorama {
 
 /// Reads a regular file of at most `limit_bytes`. Errors: kNotFound if there is no such file; kBadData if it is larger
-/// than the limit or not a regular file; kSystem with errno otherwise.
+/// than the limit or not a regular file; else kSystem with errno.
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, std::size_t limit_bytes);
 Result<std::string> read_text_file(const std::filesystem::path& path, std::size_t limit_bytes);
 
-/// Writes a file beside the target and renames it, so that a reader gets either the old or the new file, complete. Does
-/// not create folders.
+/// Writes a temporary file next to the target and renames it, so that a reader always gets either the old or the new
+/// file, complete. Does not create folders.
 Status write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Status write_file_atomically(const std::filesystem::path& path, std::string_view text);
 
@@ -29,7 +29,7 @@ Status write_file_atomically(const std::filesystem::path& path, std::string_view
 /// and never edited in place.
 class MappedFile {
  public:
-  /// Maps a file. Errors: as read_file(). An empty file maps to no bytes.
+  /// Maps a file; an empty file maps to no bytes. Errors: those of read_file().
   static Result<MappedFile> open(const std::filesystem::path& path);
   MappedFile(MappedFile&& other) noexcept;
   MappedFile& operator=(MappedFile&& other) noexcept;

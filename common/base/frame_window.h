@@ -10,22 +10,21 @@
 
 namespace cyclorama {
 
-/// Maximum number of frames that are requested and not yet finished: one is rendered while the other crosses the
-/// network. More would only make pictures older.
+/// Maximum number of frames that are requested but not finished: one is rendered while the other crosses the network.
+/// More would only make pictures older.
 inline constexpr std::size_t kFramesInFlight = 2;
 
-/// Requests for frames. Those in flight are limited to kFramesInFlight; of the others only the newest waits.
+/// Requests for frames. At most kFramesInFlight are in flight; of the other requests, only the newest waits.
 ///
 ///   put() ──► waiting (one, newest wins) ──send()──► in flight ──finish() or skip_before()──► forgotten
 ///                 ▲                                      │
 ///                 └───────── lose(): the newest ─────────┘
 ///
-/// Request numbers are unique and increase. The tour, the farm's client and the coordinator all use this window.
-/// Thread-bound.
+/// Request numbers are unique and increase. Used by the tour, the farm's client and the coordinator. Thread-bound.
 template <typename Request>
 class FrameWindow {
  public:
-  /// Replaces the request that waits. Returns true if there was one.
+  /// Stores `request` as the waiting request. Returns true if it replaced another one.
   bool put(std::uint64_t number, Request request) {
     const bool dropped = waiting_.has_value();
     waiting_.emplace(number, std::move(request));
@@ -41,16 +40,17 @@ class FrameWindow {
   /// Puts a request in flight directly, without waiting.
   void add(std::uint64_t number, Request request) { in_flight_.emplace_back(number, std::move(request)); }
 
-  /// Returns the request of that number in flight, or null. The pointer is valid as long as that of send().
+  /// Returns the request in flight with that number, or null. The pointer is valid until the next call that changes the
+  /// window.
   [[nodiscard]] const Request* find(std::uint64_t number) const {
     const auto found = std::ranges::find(in_flight_, number, &Numbered::number);
     return found == in_flight_.end() ? nullptr : &found->request;
   }
-  /// Drops requests in flight with smaller numbers, whose frames will never come. Returns their number.
+  /// Drops requests in flight with smaller numbers, whose frames will never come. Returns how many were dropped.
   std::size_t skip_before(std::uint64_t number) {
     return std::erase_if(in_flight_, [&](const Numbered& one) { return one.number < number; });
   }
-  /// Removes the request of that number, whose frame has ended, and returns it; nothing if it was not in flight.
+  /// Removes the request with that number, whose frame has ended, and returns it; empty if it was not in flight.
   std::optional<Request> finish(std::uint64_t number) {
     const auto found = std::ranges::find(in_flight_, number, &Numbered::number);
     if (found == in_flight_.end()) return std::nullopt;
@@ -58,8 +58,8 @@ class FrameWindow {
     in_flight_.erase(found);
     return request;
   }
-  /// Drops everything in flight, for a lost connection. The newest request of it waits again, unless a newer one waits
-  /// already.
+  /// Drops all requests in flight, because the connection was lost. The newest of them waits again, unless a newer
+  /// request waits already.
   void lose() {
     if (!waiting_ && !in_flight_.empty()) waiting_ = std::move(in_flight_.back());
     in_flight_.clear();

@@ -10,7 +10,7 @@
 
 namespace cyclorama {
 
-/// One slot between threads: a new value replaces an unread older one, so no queue forms. Thread-safe.
+/// A slot for one value between threads: a new value replaces an unread older one, so no queue forms. Thread-safe.
 template <typename T>
 class LatestValue {
  public:
@@ -24,13 +24,13 @@ class LatestValue {
     return dropped;
   }
 
-  /// Takes the value; nothing if the slot is empty. Never blocks for long.
+  /// Takes the value; empty if the slot is empty. Never blocks for long.
   [[nodiscard]] std::optional<T> take() {
     const std::lock_guard lock(mutex_);
     return std::exchange(value_, std::nullopt);
   }
 
-  /// Waits for a value until `deadline` or close(); returns nothing in both of those cases.
+  /// Waits for a value until `deadline` or close(), and takes it; empty if none came.
   [[nodiscard]] std::optional<T> take_before(TimePoint deadline) {
     std::unique_lock lock(mutex_);
     changed_.wait_until(lock, deadline, [this] { return value_.has_value() || closed_; });

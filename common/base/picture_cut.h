@@ -8,7 +8,7 @@
 namespace cyclorama {
 
 /// Pictures are divided into blocks, tiles and parts only at multiples of this: a JPEG block with halved chroma is 16
-/// pixels wide and must not straddle a border.
+/// pixels wide and must not cross a border.
 inline constexpr int kCutPx = 16;
 
 /// Returns the number of cells of kCutPx that cover `px` pixels.
@@ -29,7 +29,7 @@ class CoveredCells {
     return all(x_px, y_px, width_px, height_px, [](std::vector<bool>::reference covered) { return covered = true; });
   }
 
-  /// Number of all cells; covered() is the number of those that are covered.
+  /// Number of all cells; covered() returns the number of covered cells.
   [[nodiscard]] std::size_t count() const { return covered_.size(); }
   [[nodiscard]] std::size_t covered() const {
     return static_cast<std::size_t>(std::count(covered_.begin(), covered_.end(), true));

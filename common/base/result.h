@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Result<T>: a T or an Error. The shape of tl::expected/std::expected, kept small on purpose:
-/// only the members below are used, so that the alias can move to std::expected under C++23.
+/// Result<T>: a T or an Error. Its shape is that of tl::expected and std::expected. It has only the members below, so
+/// that it can become an alias of std::expected under C++23.
 #pragma once
 
 #include <utility>
@@ -43,14 +43,14 @@ using Status = Result<Done>;
 #define CYCLORAMA_CONCAT_(a, b) a##b
 #define CYCLORAMA_CONCAT(a, b) CYCLORAMA_CONCAT_(a, b)
 
-/// Declares `lhs` from a Result, or returns its Error from this function.
+/// Declares `lhs` with the value of a Result, or returns the Result's Error from the current function.
 #define TRY_ASSIGN(lhs, ...) CYCLORAMA_TRY_ASSIGN_(CYCLORAMA_CONCAT(try_result_, __LINE__), lhs, __VA_ARGS__)
 #define CYCLORAMA_TRY_ASSIGN_(result, lhs, ...)             \
   auto result = (__VA_ARGS__);                           \
   if (!result) return std::move(result).error();         \
   lhs = *std::move(result)
 
-/// Returns the Error of a Status from this function, if it is one.
+/// Returns the Error of a Status from the current function, if there is one.
 #define TRY(...)                                                          \
   do {                                                                    \
     if (auto try_status = (__VA_ARGS__); !try_status) return std::move(try_status).error(); \

@@ -32,7 +32,8 @@ std::size_t printable_length(std::string_view text) {
   }
   const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
   const bool surrogate = code >= 0xd800 && code <= 0xdfff;
-  const bool control = code < 0xa0 || code == 0x2028 || code == 0x2029;  // C1; line and paragraph separators.
+  // C1 control characters; line and paragraph separators.
+  const bool control = code < 0xa0 || code == 0x2028 || code == 0x2029;
   return overlong || surrogate || control || code > 0x10ffff ? 0 : length;
 }
 

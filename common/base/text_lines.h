@@ -8,13 +8,15 @@
 
 namespace cyclorama {
 
-/// Splits a text into lines. A line ends at "\n", at "\r\n", and at "\r" alone until the first "\n" was seen, so that
-/// binary data beginning with a newline after a "\r" header keeps its first byte. Borrows the text. Thread-bound.
+/// Splits a text into lines. A line ends at "\n", at "\r\n" and, until the first "\n", also at "\r" alone, so that
+/// binary data that begins with a newline after a header with "\r" keeps its first byte. Borrows the text.
+/// Thread-bound.
 class LineReader {
  public:
   explicit LineReader(std::string_view text) : text_(text) {}
 
-  /// Returns the next line without its end; false after the last one. A last line without an end counts.
+  /// Sets `*ret_line` to the next line without its end. Returns false after the last one. A last line without an end
+  /// counts.
   bool next(std::string_view* ret_line) {
     if (offset_ >= text_.size()) return false;
     const std::size_t end = text_.find_first_of("\r\n", offset_);
@@ -65,9 +67,9 @@ inline constexpr std::string_view kBlanks = " \t\v\f\r\n";
   return word;
 }
 
-/// Parses the number at the beginning of `word`, in any locale; nothing if there is none. Sets `*ret_whole` (may be
-/// null) to true if the number fills the word. Numbers beyond the range of double become infinite or 0; "1.#QNAN" and
-/// similar texts, as printed by Microsoft's libraries, become NaN.
+/// Parses the number at the beginning of `word`, independent of the locale; empty if there is none. Sets `*ret_whole`
+/// (may be null) to true if the number fills the word. Numbers beyond the range of double become infinite or 0;
+/// "1.#QNAN" and similar texts, as printed by Microsoft's libraries, become NaN.
 [[nodiscard]] std::optional<double> number_in(std::string_view word, bool* ret_whole);
 
 }  // namespace cyclorama

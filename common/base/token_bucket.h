@@ -7,19 +7,19 @@
 
 namespace cyclorama {
 
-/// A limit of a rate, with a reserve for bursts. Taking always succeeds and returns the time at which the amount is
-/// paid for; after that time more may be taken. A value; thread-bound.
+/// Limits a rate, with a reserve for bursts. Taking always succeeds, and returns the time from which more may be taken.
+/// A value; thread-bound.
 class TokenBucket {
  public:
-  /// `per_second` 0: no limit. `burst`: amount that may be taken at once from a full bucket; 0: unused time is not
-  /// saved.
+  /// `per_second` 0: no limit. `burst`: amount that may be taken at once from a full bucket; 0: time without use is not
+  /// saved up.
   TokenBucket(double per_second, double burst)
       : per_second_(per_second), reserve_(per_second > 0.0 ? from_seconds(burst / per_second) : Duration::zero()) {}
 
-  /// Time at which everything taken is paid for.
+  /// Time from which more may be taken.
   [[nodiscard]] TimePoint paid_at() const { return paid_at_; }
 
-  /// Takes `amount` and returns the time at which it is paid for: `now`, or later if too much was taken before.
+  /// Takes `amount` and returns the time from which more may be taken: `now`, or later if more was taken than allowed.
   TimePoint take(double amount, TimePoint now) {
     if (per_second_ <= 0.0) return now;
     paid_at_ = std::max(paid_at_, now - reserve_) + from_seconds(amount / per_second_);

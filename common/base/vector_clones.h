@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// For a function with loops that gcc vectorises: it is also compiled for AVX2 and AVX-512, and the best version for
-/// the processor is chosen when the program starts. The result must not depend on the order of floating-point
-/// operations. With sanitizers, which do not support this choice, and with clang 14, which lacks it, there is only the
-/// plain function.
+/// Marks a function with loops that gcc vectorises: it is also compiled for AVX2 and AVX-512, and the best version for
+/// the processor is chosen when the program starts. The function's result must not depend on the order of
+/// floating-point operations. Sanitizers do not support this choice, and clang 14 lacks it; there, only the plain
+/// function exists.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define CYCLORAMA_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))

@@ -28,16 +28,17 @@ if(CYCLORAMA_FAST_BUILD)
   # Precompiled headers are shared between targets with the same macros. Abseil's package defines this one, and so every
   # target that links gRPC.
   target_compile_definitions(cyclorama_options INTERFACE NOMINMAX)
-  # gcc takes a source that another one includes for a header, and warns of its anonymous namespaces.
+  # gcc takes a source that another source includes for a header, and warns about its anonymous namespaces.
   target_compile_options(cyclorama_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endif()
 target_compile_options(cyclorama_options INTERFACE
-  -pthread  # For every source alike: it defines a macro, and precompiled headers want the same macros.
+  -pthread  # For every source: it defines a macro, and precompiled headers require the same macros.
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast
   -Wnon-virtual-dtor -Woverloaded-virtual -Wformat=2 -Wundef
   # gcc only; -Wnull-dereference is left out: under -O2 gcc 12 sees it in std::variant and in gtest.
   $<$<CXX_COMPILER_ID:GNU>:-Wduplicated-cond;-Wlogical-op;-Wuseless-cast>)
-# gcc collects garbage from 128 MiB on, less than the precompiled headers have. Waiting saves some 8 % of the time.
+# gcc starts to collect garbage at 128 MiB, which the precompiled headers exceed. Starting later saves about 8 % of the
+# time.
 target_compile_options(cyclorama_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=400000>)
 if(CYCLORAMA_WERROR)
   target_compile_options(cyclorama_options INTERFACE -Werror)
@@ -59,10 +60,10 @@ if(CYCLORAMA_FUZZ)
 endif()
 
 # Headers that most sources include, precompiled once and shared by targets: GCC requires the same flags, which
-# cyclorama_options gives. A target or source with other flags goes without (DISABLE_PRECOMPILE_HEADERS,
+# cyclorama_options gives. A target or source with other flags does not use them (DISABLE_PRECOMPILE_HEADERS,
 # SKIP_PRECOMPILE_HEADERS); otherwise GCC reports the difference. Sources still include what they use, because clang
-# compiles them without. The kinds are library, test, and the same with gRPC, library_wire and test_wire; program is
-# library_wire with CLI11.
+# compiles them without precompiled headers. The kinds are library, test, and the same with gRPC, library_wire and
+# test_wire; program is library_wire with CLI11.
 find_package(fmt 9 REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Threads REQUIRED)
@@ -192,7 +193,7 @@ function(project_bench)
   cyclorama_precompiled_headers(${arg_NAME} program "${arg_LINK}")
 endfunction()
 
-# project_test_group(LABEL TARGET...): `tests-LABEL` builds no more than the tests of that label need.
+# project_test_group(LABEL TARGET...): `tests-LABEL` builds only what the tests with that label need.
 function(project_test_group label)
   if(NOT TARGET tests-${label})
     add_custom_target(tests-${label})
@@ -201,7 +202,7 @@ function(project_test_group label)
 endfunction()
 
 # project_test(unit/common/base/result_test LINK cyclorama::base [LABELS unit])
-# PLAIN goes without precompiled headers: gcc 12 forgets that they are the system's, and warns of its own std::string.
+# PLAIN uses no precompiled headers: gcc 12 forgets that they are system headers, and warns about its own std::string.
 function(project_test path)
   cmake_parse_arguments(PARSE_ARGV 1 arg "PLAIN" "TIMEOUT" "LINK;LABELS")
   if(NOT arg_TIMEOUT)

@@ -61,7 +61,7 @@ struct ConfigTable::Node {
   void mistake(unsigned at_line, std::string_view key, std::string_view what) const {
     document->mistakes.emplace(at_line, fmt::format("{}:{}: {}{}: {}", document->name, at_line, path, key, what));
   }
-  /// Returns the node; null, after noting a missing key, if it is absent and required.
+  /// Returns the node; null if it is absent. Notes a required key as missing.
   const toml::node* find_or_note(std::string_view key, bool required) {
     const toml::node* const node = find(key);
     if (node == nullptr && required) missing.insert(std::string(key));
@@ -79,7 +79,7 @@ struct ConfigTable::Node {
     }
     return std::nullopt;
   }
-  /// Returns a known key that equals `key` apart from its unit or is within two edits of it; empty if there is none.
+  /// Returns the known key that equals `key` apart from its unit, or is within two edits of it; empty if there is none.
   [[nodiscard]] std::string meant_by(std::string_view key) const {
     for (const std::string& known : asked) {
       if (without_unit(known) == without_unit(key)) return known;
@@ -89,7 +89,7 @@ struct ConfigTable::Node {
     }
     return "";
   }
-  /// Reports a misspelt key as misspelt, and not also as missing.
+  /// Reports a misspelt key only as misspelt, not also as missing.
   void note_unknown_and_missing_keys() {
     if (table != nullptr) {
       for (const auto& [key, value] : *table) {

@@ -6,9 +6,9 @@
 ///   const double radius = wall.number("radius_m", {0.5, 50.0});
 ///   TRY(config.finish());        // The first mistake in the file, or a key that was never requested.
 ///
-/// After a mistake, reading continues with a harmless value, so that code reads like data; finish() returns the error.
-/// Keys carry their unit (`radius_m`, `heading_deg`). A key with another unit is an unknown key, and the error states
-/// this.
+/// After a mistake, reading continues with a harmless value, so that code needs no branches; finish() returns the
+/// error. Keys contain their unit (`radius_m`, `heading_deg`). A key with another unit is an unknown key, and its error
+/// names the right key.
 #pragma once
 
 #include <filesystem>
@@ -22,18 +22,18 @@
 
 namespace cyclorama {
 
-/// Closed interval of legal values.
+/// Closed interval of valid values.
 struct Range {
   double min;
   double max;
 };
 
-/// One table of a Config, which must outlive it. A value, thread-bound. Requesting a key marks it as known.
+/// One table of a Config, which must outlive the table. A value, thread-bound. Requesting a key marks it as known.
 class ConfigTable {
  public:
   [[nodiscard]] bool has(std::string_view key) const;
 
-  /// Without a fallback the key is required. Values outside `range`, NaN and wrong types are mistakes.
+  /// Reads a number. Without a fallback the key is required. Values outside `range`, NaN and wrong types are mistakes.
   double number(std::string_view key, Range range, std::optional<double> fallback = std::nullopt);
   int integer(std::string_view key, Range range, std::optional<int> fallback = std::nullopt);
   bool flag(std::string_view key, std::optional<bool> fallback = std::nullopt);
@@ -48,10 +48,10 @@ class ConfigTable {
   std::vector<std::string> texts(std::string_view key, std::optional<std::vector<std::string>> fallback = std::nullopt);
   /// Returns the table [key]; if it is absent, an empty table, whose required keys are then missing.
   ConfigTable table(std::string_view key);
-  /// Returns the tables [[key]]; none if the key is absent.
+  /// Returns the tables [[key]]; empty if the key is absent.
   std::vector<ConfigTable> tables(std::string_view key);
 
-  /// Records a mistake that only the caller can detect, at the key's line (or the table's, if the key is absent).
+  /// Records a mistake that only the caller can detect, at the line of the key, or of the table if the key is absent.
   void refuse(std::string_view key, std::string_view what_and_remedy);
   /// Records a mistake if the file uses a setting's former name `key`; the message gives `new_key`.
   void refuse_renamed(std::string_view key, std::string_view new_key);
@@ -66,10 +66,10 @@ class ConfigTable {
 /// A parsed file. Move-only, thread-bound.
 class Config {
  public:
-  /// Errors: kNotFound or kSystem if the file cannot be read; kBadData if it is not TOML ("site.toml:7:3: ...") or over
-  /// 1 MiB.
+  /// Reads a file. Errors: kNotFound or kSystem if the file cannot be read; kBadData if it is not TOML ("site.toml:7:3:
+  /// ...") or exceeds 1 MiB.
   static Result<Config> read(const std::filesystem::path& path);
-  /// `name` stands for the file in errors.
+  /// Parses `text`; `name` stands for the file in errors.
   static Result<Config> parse(std::string_view text, std::string name);
 
   Config(Config&&) noexcept;
@@ -77,7 +77,7 @@ class Config {
   ~Config();
 
   [[nodiscard]] ConfigTable root();
-  /// Errors: kBadData with the topmost mistake ("site.toml:7: ...") and the number of further ones.
+  /// Reports mistakes. Errors: kBadData with the topmost mistake ("site.toml:7: ...") and the number of other mistakes.
   [[nodiscard]] Status finish() const;
 
  private:

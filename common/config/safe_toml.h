@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-/// toml++ without exceptions, and without two faults of its version 3.3, both found by fuzzing: certain invalid text
-/// stops the program ("[" at a line's end fails an assertion) or causes undefined behaviour (a letter such as U+00E9 in
-/// place of a blank reaches __builtin_unreachable()) instead of an error. Included only by config.cpp.
+/// toml++ without exceptions and without two faults of its version 3.3, both found by fuzzing: certain invalid text
+/// causes, instead of an error, a failed assertion ("[" at a line's end) or undefined behaviour (a letter such as
+/// U+00E9 in place of a blank reaches __builtin_unreachable()). Included only by config.cpp.
 #pragma once
 
 #define TOML_EXCEPTIONS 0
 #define TOML_HEADER_ONLY 1
 
-// Assertions are disabled. Under NDEBUG, toml++ would turn them into assumptions of the optimiser.
+// Assertions are disabled. With NDEBUG, toml++ would turn them into assumptions of the optimiser.
 #pragma push_macro("NDEBUG")
 #undef NDEBUG
 #define TOML_ASSERT(expr) static_cast<void>(0)
 
-// toml++'s character classes end in unreachable code for a character that they do not know; here it counts as outside
-// the class.
+// toml++'s character classes end in unreachable code for an unknown character; here it counts as outside of the class.
 #if __has_include(<toml++/impl/preprocessor.hpp>)
 #include <toml++/impl/preprocessor.hpp>
 #else

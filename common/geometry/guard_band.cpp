@@ -16,7 +16,8 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr int kMaxSidePx = 16384;
-constexpr double kMaxTangent = 5.671;  // Tangent of 80 degrees; beyond, a flat picture consists mostly of its border.
+// Tangent of 80 degrees; beyond it, a flat picture consists mostly of its border.
+constexpr double kMaxTangent = 5.671;
 constexpr double kMaxElevation_rad = 80.0 * std::numbers::pi / 180.0;
 constexpr double kSameEdge = 1e-9;  // In tangents; a tolerance, so that an unturned picture lies inside itself.
 
@@ -31,8 +32,8 @@ struct Extent {
   double bottom;
 };
 
-/// Returns the extent of all positions that a picture shows when turned by `turn_rad` either way; nothing if a corner
-/// would be too far out. Lines stay straight, so the corners suffice.
+/// Returns the extent of all positions that a picture shows when turned by `turn_rad` either way; empty if a corner
+/// would be too far out. Straight lines stay straight, so the corners suffice.
 std::optional<Extent> swept(const Perspective& p, double turn_rad) {
   Extent extent{p.tan_left, p.tan_right, p.tan_top, p.tan_bottom};
   for (const double turn : {-turn_rad, turn_rad}) {
@@ -48,8 +49,8 @@ std::optional<Extent> swept(const Perspective& p, double turn_rad) {
   return extent;
 }
 
-/// Returns the largest turn up to `max` for which `is_possible` holds. If it holds for a turn, it holds for smaller
-/// ones.
+/// Returns the largest turn up to `max` for which `is_possible` is true. If it is true for a turn, it must be true for
+/// all smaller ones.
 double max_turn(double max, const auto& is_possible) {
   if (is_possible(max)) return max;
   double possible = 0.0;
@@ -61,15 +62,16 @@ double max_turn(double max, const auto& is_possible) {
   return possible;
 }
 
-/// Returns the tangent of an elevation that is `angle_rad` higher, up to the limit; one beyond the limit stays.
+/// Returns the tangent of an elevation that is `angle_rad` higher, but at most the limit. A tangent beyond the limit
+/// stays.
 double raised(double tangent, double angle_rad) {
   const double elevation = std::atan(tangent);
   if (std::abs(elevation) >= kMaxElevation_rad) return tangent;
   return std::tan(std::clamp(elevation + angle_rad, -kMaxElevation_rad, kMaxElevation_rad));
 }
 
-/// Returns the smallest c >= p such that all directions within `parallax` of (p, q, 1) lie on the near side of the plane
-/// x = c z: the sine of the angle between a direction and that plane is (c - p) / sqrt((1 + c²) (1 + p² + q²)).
+/// Returns the smallest c >= p such that all directions within `parallax` of (p, q, 1) lie on the near side of the
+/// plane x = c z. The sine of the angle between the direction and the plane is (c - p) / sqrt((1 + c²) (1 + p² + q²)).
 double cleared(double p, double q, double parallax) {
   const double s = std::sin(parallax);
   const double k = s * s * (1.0 + p * p + q * q);
@@ -77,7 +79,7 @@ double cleared(double p, double q, double parallax) {
   return (p + std::sqrt(std::max(0.0, k * (1.0 + p * p - k)))) / (1.0 - k);
 }
 
-/// Returns the extent with `parallax` around it. An edge that lies beyond the limit stays.
+/// Returns the extent enlarged by `parallax` on all sides. An edge beyond the limit stays.
 Extent cleared(const Extent& e, double parallax) {
   const double across = std::max(std::abs(e.left), std::abs(e.right));
   const double up = std::max(std::abs(e.top), std::abs(e.bottom));
@@ -88,7 +90,7 @@ Extent cleared(const Extent& e, double parallax) {
 }
 
 PictureShape grown(const Panorama& p, double guard, double parallax) {
-  // A cone around a direction covers more azimuth the higher it points.
+  // The higher a cone's direction, the more azimuth the cone covers.
   const double highest = std::atan(std::max(std::abs(p.tan_elevation_top), std::abs(p.tan_elevation_bottom)));
   const double aside = std::asin(std::min(1.0, std::sin(parallax) / std::cos(highest)));
   Panorama grown = p.with_guard_band(guard + aside);
@@ -96,7 +98,7 @@ PictureShape grown(const Panorama& p, double guard, double parallax) {
   const double rows_per_tan = p.height_px / (p.tan_elevation_top - p.tan_elevation_bottom);
   const double above = raised(p.tan_elevation_top, parallax) - p.tan_elevation_top;
   const double below = p.tan_elevation_bottom - raised(p.tan_elevation_bottom, -parallax);
-  // Whole rows on either side, so that the rows of the wall stay where they are.
+  // Whole rows on either side, so that the wall's rows do not move relative to the pixels.
   const int room = kMaxSidePx - p.height_px;
   const int above_px = std::clamp(static_cast<int>(std::ceil(above * rows_per_tan - 1e-6)), 0, room / 2);
   const int below_px = std::clamp(static_cast<int>(std::ceil(below * rows_per_tan - 1e-6)), 0, room / 2);
@@ -124,7 +126,7 @@ PictureShape grown(const Perspective& p, double guard, double parallax) {
   return wider;
 }
 PictureShape grown(const Fisheye& p, double guard, double parallax) {
-  // Angle by which a turn moves the axis.
+  // Maximum angle by which the turn moves the axis.
   const double moves = 2.0 * std::asin(std::abs(std::cos(p.tilt_rad)) * std::sin(0.5 * std::min(guard, 0.5 * kTurn)));
   const double field = std::min(p.field_rad + 2.0 * (moves + parallax), kTurn);
   const double larger = field / p.field_rad;
@@ -151,7 +153,7 @@ double reach(const Fisheye& picture, const Fisheye& shown) {
   const double moves = 0.5 * (picture.field_rad - shown.field_rad);
   const double level = std::abs(std::cos(picture.tilt_rad));
   const double half = std::sin(0.5 * std::max(moves, 0.0)) / std::max(level, 1e-9);
-  // At the zenith a turn does not move the circle.
+  // At the zenith, a turn does not move the circle.
   if (half >= 1.0 || (level < 1e-9 && moves >= 0.0)) return kEndless;
   return 2.0 * std::asin(half);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Text of OBJ and MTL files from any program.
+/// Text of OBJ and MTL files, as written by any program.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@
 
 namespace cyclorama {
 
-/// Returns UTF-8 unchanged, without its byte order mark, as a view into `bytes`. UTF-16 with a byte order mark is
-/// converted into `*storage`, and the view is into that.
+/// Returns UTF-8 without its byte order mark, as a view into `bytes`. UTF-16 with a byte order mark is converted into
+/// `*storage`, into which the view then points.
 [[nodiscard]] std::string_view to_utf8(std::span<const std::byte> bytes, std::string* storage);
 
 /// Statements of an OBJ or MTL file: lines without comments, with lines that end in "\" joined to the next. Views are
@@ -23,9 +23,9 @@ namespace cyclorama {
 class ObjStatements {
  public:
   explicit ObjStatements(std::string_view text) : lines_(text) {}
-  /// Returns the next statement, split after its keyword; empty lines are skipped. False after the last one.
+  /// Sets the next statement, split after its keyword; empty lines are skipped. Returns false after the last one.
   bool next(std::string_view* ret_keyword, std::string_view* ret_rest);
-  /// Number of the statement's last line, from 1.
+  /// Number of the statement's last line, counted from 1.
   [[nodiscard]] std::size_t line() const { return line_; }
 
  private:
@@ -34,7 +34,7 @@ class ObjStatements {
   std::string joined_;
 };
 
-/// The words of a face's corner "7/-1/3", each empty if omitted; `beyond` is surplus text.
+/// The words of a face's corner "7/-1/3"; omitted ones are empty. `beyond` is surplus text.
 struct ObjCornerWords {
   std::string_view vertex;
   std::string_view texture;
@@ -43,8 +43,8 @@ struct ObjCornerWords {
 };
 [[nodiscard]] ObjCornerWords obj_corner(std::string_view word);
 
-/// Converts a 1-based index, or a negative one that counts back from the last of the `so_far` elements above. Nothing
-/// if the word is not a number or refers to none of the `in_all` elements.
+/// Converts a 1-based index, or a negative one that counts back from the last of the `so_far` elements above, to a
+/// 0-based index. Empty if the word is not a number or refers to none of the `in_all` elements.
 [[nodiscard]] std::optional<std::uint32_t> obj_index(std::string_view word, std::size_t so_far, std::size_t in_all);
 
 }  // namespace cyclorama

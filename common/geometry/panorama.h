@@ -29,7 +29,7 @@ struct Panorama {
   double tan_elevation_bottom = 0.0;  ///< At the lower edge of the last row.
 
   /// Errors: kInvalidArgument, with the field's name, unless the picture is 1 to 16384 px each way, the span is in (0,
-  /// 2 pi], top > bottom, and all are finite.
+  /// 2 pi], top > bottom, and all values are finite.
   [[nodiscard]] Status validate() const;
 
   [[nodiscard]] double radians_per_px() const { return azimuth_span_rad / width_px; }
@@ -39,18 +39,19 @@ struct Panorama {
   }
   /// Returns a direction that is not normalised; its horizontal length is 1.
   [[nodiscard]] Eigen::Vector3d direction_at(PanoramaPixel p) const;
-  /// Inverse of direction_at(), for any positive multiple. The result may lie outside the picture; straight up or down
-  /// there is no position, and v is +-infinity.
+  /// Inverse of direction_at(), also for positive multiples of a direction. The result may lie outside the picture.
+  /// Straight up or down there is no position, and v is +-infinity.
   [[nodiscard]] PanoramaPixel pixel_of(const Eigen::Vector3d& direction) const;
 
-  /// Returns the picture grown by at least `guard_rad` on each side at the same angular pixel size, to a width that is
-  /// a multiple of 16, and never beyond a full circle. The farm renders this, so that a display can turn the picture.
+  /// Returns the picture grown by at least `guard_rad` on each side, with pixels of the same angular size, to a width
+  /// that is a multiple of 16, but never beyond a full circle. The farm renders this picture, so that a display can
+  /// turn it.
   [[nodiscard]] Panorama with_guard_band(double guard_rad) const;
 
   friend bool operator==(const Panorama&, const Panorama&) = default;
 };
 
-/// Returns true if the picture spans the full circle to within a pixel, so that its left edge continues its right edge.
+/// True if the picture spans the full circle to within a pixel, so that its left edge continues its right edge.
 [[nodiscard]] bool is_whole_turn(const Panorama& picture);
 
 /// Returns the angle in (-pi, pi] that differs from `angle` by full turns.

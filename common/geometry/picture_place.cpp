@@ -14,7 +14,7 @@ double tilt_of(const PictureShape& shape) {
   return std::visit([](const auto& s) { return tilt_of(s); }, shape);
 }
 
-/// Linear map from a span to pixels: factor, and position of 0.
+/// Linear map from a span to pixels: factor, and position of the value 0.
 struct Spread {
   double px_per_unit;
   double offset_px;
@@ -44,7 +44,7 @@ PixelScale scale(const Equirectangular& s) {
                   spread(s.elevation_top_rad, s.elevation_bottom_rad, s.height_px));
 }
 
-// Directions in the picture's own axes:
+// The functions below return directions in the picture's axes.
 
 Eigen::Vector3d direction(const Panorama&, const PicturePlace& p) {
   return {std::sin(p.across), p.up, -std::cos(p.across)};

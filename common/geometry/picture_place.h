@@ -7,8 +7,8 @@
 ///   fisheye          angle from the axis, rad, as a vector to the right and upwards
 ///   equirectangular  azimuth, rad                      elevation, rad
 ///
-/// A position remains the same when the picture gets more pixels or a guard band; pixels are evenly spaced in
-/// positions. Only a shape's kind and its tilt matter. Reentrant, double.
+/// A position stays the same when the picture gets more pixels or a guard band. Pixels are evenly spaced in these
+/// coordinates. Only a shape's kind and its tilt matter. Reentrant, double.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,7 +25,8 @@ struct PicturePlace {
   friend bool operator==(const PicturePlace&, const PicturePlace&) = default;
 };
 
-/// u = u_per_across * across + u_offset, and likewise for v; v_per_up is negative.
+/// Converts positions to pixels: u = u_per_across * across + u_offset, and v = v_per_up * up + v_offset, where v_per_up
+/// is negative.
 struct PixelScale {
   double u_per_across = 1.0;
   double u_offset = 0.0;
@@ -44,24 +45,23 @@ struct PixelScale {
   }
 };
 [[nodiscard]] PixelScale pixel_scale(const PictureShape& shape);
-/// Returns the shape with the same positions and another number of pixels.
+/// Returns the same shape with another number of pixels; positions do not change.
 [[nodiscard]] PictureShape with_pixels(PictureShape shape, int width_px, int height_px);
-/// Returns true if positions mean the same in both shapes, which are then of one kind and tilt.
+/// True if positions have the same meaning in both shapes, which are then of the same kind and tilt.
 [[nodiscard]] bool has_same_places(const PictureShape& a, const PictureShape& b);
 
-/// The picture's axes (x right, y up, z opposite to its optical axis) in the Eye frame.
+/// Returns the picture's axes (x right, y up, z opposite to its optical axis) in the Eye frame.
 [[nodiscard]] Eigen::Matrix3d R_eye_picture(const PictureShape& shape);
 
-/// Direction in the Eye frame, of the same length as direction_at()'s.
+/// Returns the direction of a position in the Eye frame, of the same length as that of direction_at().
 [[nodiscard]] Eigen::Vector3d direction_of(const PictureShape& shape, const PicturePlace& place);
-/// Inverse of direction_of(), for any positive multiple, in an unbounded picture: a fisheye does not end at its field.
-/// Nothing straight up or down in a panorama, at a right angle to a perspective's axis or behind it, or exactly
-/// opposite to a fisheye's axis.
+/// Returns the position of a direction of any length in an unbounded picture; a fisheye's field does not limit it.
+/// Empty straight up or down in a panorama, at a right angle to a perspective's axis or behind it, and exactly opposite
+/// to a fisheye's axis.
 [[nodiscard]] std::optional<PicturePlace> place_of(const PictureShape& shape, const Eigen::Vector3d& direction);
 
-/// Returns the position, in the picture before the turn, of what a visitor who has turned right by `turn_rad` sees at
-/// `place`: a shift in a panorama, a rotation about the vertical in other shapes. Returns nothing where place_of()
-/// does.
+/// Returns the position, in the picture before the turn, that a visitor who has turned right by `turn_rad` sees at
+/// `place`: a shift in a panorama, a rotation about the vertical in other shapes. Empty where place_of() is.
 [[nodiscard]] std::optional<PicturePlace> turned(const PictureShape& shape, const PicturePlace& place, double turn_rad);
 
 }  // namespace cyclorama

@@ -11,13 +11,13 @@ constexpr std::size_t kEarsLimit = 256;
 
 using Flat = std::vector<Eigen::Vector2d>;
 
-/// Twice the signed area of the triangle.
+/// Returns twice the signed area of the triangle.
 double turn(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-/// Projects the polygon along its normal (by Newell's method, so that the corners need not lie in one plane),
-/// counter-clockwise.
+/// Projects the polygon along its normal (Newell's method, so that the corners need not lie in one plane). The result
+/// runs counter-clockwise.
 Flat flatten(std::span<const Eigen::Vector3d> corners) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -55,7 +55,8 @@ bool is_ear(const Flat& flat, const std::vector<std::uint32_t>& left, std::size_
   if (!(turn(a, b, c) > 0.0)) return false;
   for (const std::uint32_t other : left) {
     const Eigen::Vector2d& p = flat[other];
-    // A hole is often joined by a doubled edge: corners at the same position as the ear's do not invalidate it.
+    // A hole is often joined by a doubled edge: corners at the position of one of the ear's corners do not invalidate
+    // it.
     if (p == a || p == b || p == c) continue;
     if (turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0) return false;
   }

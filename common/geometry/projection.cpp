@@ -26,7 +26,7 @@ Status check_size(std::string_view shape, int width, int height) {
   return Done{};
 }
 
-// Comparisons below are written so that NaN is refused.
+// The comparisons below are written so that NaN is refused.
 Status check_tilt(std::string_view shape, double tilt) {
   if (std::abs(tilt) <= std::numbers::pi + kRounding) return Done{};
   return refuse(shape, "tilt_rad", tilt, "within half a turn");
@@ -71,7 +71,7 @@ Status check(const Equirectangular& s) {
   return Done{};
 }
 
-/// Returns true if both eyes are on the sweet spot's side of the screen.
+/// True if both eyes are on the sweet spot's side of the screen.
 bool in_front_of_screen(const Projection& p) {
   const Viewing& v = p.viewing;
   const double half = 0.5 * v.eye_distance_m;
@@ -84,7 +84,8 @@ bool in_front_of_screen(const Projection& p) {
   return v.viewer_m.norm() + half < v.screen_distance_m;
 }
 
-/// Direction to the right of an eye that faces `direction`: of length 1, or less near the poles of a sphere.
+/// Returns the direction to the right of an eye that faces `direction`, of length 1, or less near the poles of a
+/// sphere.
 Eigen::Vector3d rightwards(const Projection& p, const Eigen::Vector3d& direction) {
   if (std::holds_alternative<Perspective>(p.shape)) return Eigen::Vector3d::UnitX();
   const Eigen::Vector3d right(-direction.z(), 0.0, direction.x());

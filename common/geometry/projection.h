@@ -2,9 +2,9 @@
 /// Mapping from a picture's pixels to lines of sight: the shape of the picture, the screen that it is shown on, and the
 /// eye that looks at it.
 ///
-/// Frame: the Eye frame (x right, y up, the heading along -z), its origin at the sweet spot. Pixels as in panorama.h:
-/// the centre of the first is (0.5, 0.5). Everything here is a value in double; reentrant. renderfarm/render/camera.h
-/// computes the same rays in float, many at once.
+/// Frame: the Eye frame (x right, y up, the heading along -z), with its origin at the sweet spot. The centre of the
+/// first pixel is (0.5, 0.5), as in panorama.h. Everything here is a value in double; reentrant.
+/// renderfarm/render/camera.h computes the same rays in float, many at once.
 ///
 /// One rule determines every eye's picture: the pixel lies on the screen, and the eye looks through it.
 ///
@@ -24,8 +24,8 @@
 
 namespace cyclorama {
 
-/// Perspective picture for a flat screen. Tangents of the angles from the picture's axis to its edges; the left and the
-/// lower one are negative in a centred picture. Any rectangle of the plane is possible (off-axis).
+/// Perspective picture for a flat screen, given by the tangents of the angles from the picture's axis to its edges; in
+/// a centred picture, the left and the lower tangents are negative. Any rectangle of the plane is possible (off-axis).
 struct Perspective {
   int width_px = 0;
   int height_px = 0;
@@ -42,7 +42,7 @@ struct Perspective {
 
 /// Equidistant fisheye, the picture of a dome: the angle from the axis is proportional to the distance from the
 /// picture's centre, up to the largest circle in the picture. Pixels outside the circle are empty. Tilted by a quarter
-/// turn it is a dome master: the zenith in the middle, the heading at the lower edge.
+/// turn it is a dome master, with the zenith in the middle and the heading at the lower edge.
 struct Fisheye {
   int width_px = 0;
   int height_px = 0;
@@ -54,7 +54,7 @@ struct Fisheye {
   friend bool operator==(const Fisheye&, const Fisheye&) = default;
 };
 
-/// Azimuth across and elevation down, both linear.
+/// Picture with azimuth across and elevation down, both linear.
 struct Equirectangular {
   int width_px = 0;
   int height_px = 0;
@@ -72,30 +72,30 @@ using PictureShape = std::variant<Panorama, Perspective, Fisheye, Equirectangula
 /// and each is in the range stated above.
 [[nodiscard]] Status validate(const PictureShape& shape);
 
-/// Returns S / R above, the direction of a pixel from an eye at the sweet spot. Nothing outside a fisheye's circle.
+/// Returns S / R above, the direction of a pixel from an eye at the sweet spot; empty outside a fisheye's circle.
 [[nodiscard]] std::optional<Eigen::Vector3d> direction_at(const PictureShape& shape, PanoramaPixel p);
-/// Inverse of direction_at(), for any positive multiple; the result may lie outside the picture. Nothing where no pixel
+/// Inverse of direction_at(), also for positive multiples; the result may lie outside the picture. Empty where no pixel
 /// of an unbounded picture shows the direction: straight up in a panorama, behind a plane, outside a fisheye's field.
 [[nodiscard]] std::optional<PanoramaPixel> pixel_of(const PictureShape& shape, const Eigen::Vector3d& direction);
 
 enum class Eyes {
-  kMono,      ///< One eye, midway between the two.
+  kMono,      ///< One eye, in the middle between the two.
   kLeft,      ///< Left eye.
   kRight,     ///< Right eye.
   kOverUnder  ///< Both in one picture of twice the shape's height, the left eye's above.
 };
 
-/// Eyes and screen. On a flat screen the eyes are side by side. On a round one, every column is drawn for eyes that
-/// face it (omnistereo: both lie on a circle around the viewer), so that the picture is right wherever the visitor
+/// Eyes and screen. On a flat screen the eyes are side by side. On a round screen, every column is drawn for eyes that
+/// face it (omnistereo: both eyes lie on a circle around the viewer), so that the picture is right wherever the visitor
 /// looks. Sources: Peleg, Ben-Ezra and Pritch, "Omnistereo: Panoramic Stereo Imaging", PAMI 23(3), 2001; for domes
 /// Bourke, "Omni-directional Stereoscopic Fisheye Images", CGAT 2009.
 struct Viewing {
   Eyes eyes = Eyes::kMono;
-  double eye_distance_m = 0.0;  ///< Between the pupils; about 0.063 for adults.
+  double eye_distance_m = 0.0;  ///< Distance between the pupils; about 0.063 for adults.
   /// Distance from the sweet spot to the screen: radius of a cylinder or dome, distance of a plane along its axis. The
   /// eyes converge there. Infinite: they look in parallel.
   double screen_distance_m = std::numeric_limits<double>::infinity();
-  Eigen::Vector3d viewer_m = Eigen::Vector3d::Zero();  ///< Position of the viewer, between the eyes; the screen stays.
+  Eigen::Vector3d viewer_m = Eigen::Vector3d::Zero();  ///< Position midway between the eyes; the screen stays.
   /// On a sphere, the eyes' distance decreases to zero within this angle of zenith and nadir, where left and right are
   /// undefined; 0 is plain omnistereo, which is discontinuous there.
   double pole_fade_rad = std::numbers::pi / 6.0;
@@ -112,15 +112,16 @@ struct Projection {
   PictureShape shape = Panorama{};
   Viewing viewing;
 
-  /// Number of pictures of the shape, one above another: 2 with both eyes.
+  /// Number of pictures, one above another; 2 with both eyes.
   [[nodiscard]] int stacked() const { return viewing.eyes == Eyes::kOverUnder ? 2 : 1; }
   /// Size of the whole picture, which contains both eyes' pictures if there are two.
   [[nodiscard]] int width_px() const { return cyclorama::width_px(shape); }
   [[nodiscard]] int height_px() const;
-  /// Errors: kInvalidArgument, with the field's name, unless the shape is valid, the picture has at most 16384 pixels
-  /// each way, and both eyes are in front of the screen.
+  /// Errors: kInvalidArgument, with the field's name, unless the shape is valid, the whole picture has at most 16384
+  /// pixels each way, and both eyes are in front of the screen.
   [[nodiscard]] Status validate() const;
-  /// Returns the ray of pixel p of the whole picture; nothing outside a fisheye's circle. Precondition: validate().
+  /// Returns the ray of pixel p of the whole picture; empty outside a fisheye's circle. Precondition: validate()
+  /// succeeds.
   [[nodiscard]] std::optional<EyeRay> ray_at(PanoramaPixel p) const;
   friend bool operator==(const Projection&, const Projection&) = default;
 };

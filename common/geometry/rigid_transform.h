@@ -13,7 +13,7 @@ struct Point {
   Eigen::Vector3d xyz = Eigen::Vector3d::Zero();
 };
 
-/// T_to_from: maps coordinates in `From` to coordinates in `To`.
+/// A rigid transform, named T_to_from: it maps coordinates in `From` to coordinates in `To`.
 ///
 ///   p_world = T_world_camera * p_camera
 ///   T_world_tag = T_world_camera * T_camera_tag     (inner names must match; the compiler checks)

@@ -35,7 +35,7 @@ int http_status(const Error& error) {
   }
 }
 
-/// cpp-httplib of Debian 13 can limit its queue of connections; that of Debian 12 cannot.
+/// Makes a pool of threads. cpp-httplib of Debian 13 can limit its queue of connections; that of Debian 12 cannot.
 template <typename Pool>
 Pool* make_pool(const HttpLimits& limits) {
   if constexpr (std::is_constructible_v<Pool, std::size_t, std::size_t>) {
@@ -120,7 +120,7 @@ void answer_error(const Error& error, httplib::Response& response) {
 
 void serve_page(httplib::Server& server, std::span<const PageFile> files) {
   for (const PageFile& file : files) {
-    // The paths are regular expressions to httplib; their only special character is a dot, which matches itself.
+    // httplib takes paths as regular expressions; their only special character is a dot, which also matches itself.
     server.Get(std::string(file.path), [file](const httplib::Request&, httplib::Response& response) {
       response.set_content(file.content.data(), file.content.size(), std::string(file.type));
     });
@@ -147,7 +147,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(const std::string& address
                                                address));
   }
   page->listener_ = std::thread([&server] { server.listen_after_bind(); });
-  // stop() works only on a running server, and there is no notification of the start.
+  // stop() works only on a running server, and httplib does not report the start.
   const TimePoint deadline = SteadyClock().now() + kStartsWithin;
   while (!server.is_running() && SteadyClock().now() < deadline) std::this_thread::yield();
   return page;

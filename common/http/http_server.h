@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// HTTP conventions of this project, on cpp-httplib: addresses, limits, headers, and errors as {"error": sentence}.
+/// HTTP conventions of this project, based on cpp-httplib: addresses, limits, headers, and errors as {"error":
+/// sentence}.
 #pragma once
 
 #include <functional>
@@ -22,8 +23,9 @@ struct Response;
 namespace cyclorama {
 
 struct HttpLimits {
-  std::size_t threads = 24;      ///< A browser holds six connections; each occupies one thread.
-  std::size_t max_waiting = 64;  ///< Connections waiting for a thread, if the library can limit them.
+  std::size_t threads = 24;  ///< Each connection occupies one thread; a browser holds six connections.
+  /// Maximum number of connections that wait for a thread, if the library can limit them.
+  std::size_t max_waiting = 64;
   std::size_t max_body_bytes = 4096;
 };
 
@@ -35,19 +37,19 @@ struct HttpTls {
 
 inline constexpr const char* kJsonType = "application/json";
 [[nodiscard]] std::string error_json(const Error& error);
-/// Answers with 400, 404, 429, 502 or 504, by the error's code.
+/// Answers with 400, 404, 429, 502 or 504, depending on the error's code.
 void answer_error(const Error& error, httplib::Response& response);
 /// Adds a GET handler for each file.
 void serve_page(httplib::Server& server, std::span<const PageFile> files);
 
-/// An HTTP server with a `listen` thread and a fixed pool. Connections that are silent for some seconds are closed, and
-/// larger bodies are refused. Every answer carries a content security policy that allows nothing from elsewhere, and
-/// forbids caching. Thread-bound.
+/// An HTTP server with a `listen` thread and a fixed pool of threads. Connections that are silent for some seconds are
+/// closed, and bodies beyond the limit are refused. Every answer has a content security policy that allows nothing from
+/// other sources, and forbids caching. Thread-bound.
 class HttpServer {
  public:
   /// Starts serving; port 0 selects a free one. `routes` adds the handlers, which are called on the pool's threads.
-  /// Errors: kInvalidArgument as parse_address(); kBusy if the port is taken or the address is not of this machine;
-  /// kBadData if `tls` is not a certificate with its key.
+  /// Errors: those of parse_address(); kBusy if the port is taken or the address is not of this machine; kBadData if
+  /// `tls` is not a certificate with its key.
   static Result<std::unique_ptr<HttpServer>> start(const std::string& address, const HttpLimits& limits,
                                                    const std::function<void(httplib::Server&)>& routes,
                                                    const std::optional<HttpTls>& tls = std::nullopt);

@@ -7,7 +7,7 @@ namespace cyclorama {
 namespace {
 
 constexpr std::uint32_t kMaxLength = 16;
-/// Symbols of the code of lengths: 0 to 16 are lengths; the others repeat one.
+/// Symbols of the code that stores lengths: 0 to 16 are lengths; the others repeat a length or zero.
 enum LengthSymbol : std::uint32_t { kShortZeros = 17, kLongZeros, kShortRepeat, kLongRepeat, kLengthSymbols };
 constexpr std::array<std::uint8_t, kLengthSymbols> kLengthOrder = {17, 18, 19, 20, 0,  8, 7,  9, 6,  10, 5,
                                                                    11, 4,  12, 3,  13, 2, 14, 1, 15, 16};
@@ -47,7 +47,7 @@ Result<BasisHuffman> BasisHuffman::of_lengths(const std::vector<std::uint8_t>& l
   std::array<std::uint32_t, kMaxBits + 2> first{};
   for (std::size_t length = 1; length <= kMaxLength; ++length) {
     free *= 2;
-    if (code.count_[length] > free) return damaged();  // More words than there are.
+    if (code.count_[length] > free) return damaged();  // There are more words than this length allows.
     free -= code.count_[length];
     first[length + 1] = first[length] + code.count_[length];
   }
@@ -91,7 +91,7 @@ Result<BasisHuffman> BasisHuffman::read(BasisBits* bits) {
 
 std::uint32_t BasisHuffman::next(BasisBits* bits) const {
   std::uint32_t word = 0;
-  std::uint32_t first = 0;  // First word of the length, and its place among the symbols.
+  std::uint32_t first = 0;  // First word of this length, and its position among the symbols.
   std::size_t place = 0;
   for (std::size_t length = 1; length <= kMaxLength; ++length) {
     word = word << 1 | bits->take(1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Bits and Huffman codes of Basis Universal, as KTX 2.0 stores them. Source: KTX 2.0, "BasisLZ Bitstream Specification".
+/// Bits and Huffman codes of Basis Universal, as stored in KTX 2.0. Source: KTX 2.0, "BasisLZ Bitstream Specification".
 #pragma once
 
 #include <array>
@@ -12,17 +12,18 @@
 
 namespace cyclorama {
 
-/// Reads bits, the lowest of each byte first. Beyond the end it gives zeros and remembers that. Borrows the bytes.
+/// Reads bits, from the lowest of each byte. Beyond the end, bits are zero and overran() is true. Borrows the bytes.
 /// Thread-bound.
 class BasisBits {
  public:
   explicit BasisBits(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
-  /// Precondition: `count` is at most 25.
+  /// Takes the next `count` bits. Precondition: `count` is at most 25.
   std::uint32_t take(int count);
-  /// Takes an integer that is stored in groups of `group_bits`, each with a bit that is set if another follows.
+  /// Takes an integer that is stored in groups of `group_bits`, each followed by a bit that is set if another group
+  /// follows.
   std::uint32_t take_groups(int group_bits);
-  /// True once more bits were taken than there are, or an integer did not end.
+  /// True once more bits were taken than exist, or if an integer did not end.
   [[nodiscard]] bool overran() const { return overran_; }
 
  private:
@@ -36,10 +37,10 @@ class BasisHuffman {
  public:
   static constexpr std::uint32_t kNone = 0xffff'ffff;
 
-  /// Reads a code as BasisLZ stores it. Errors: kBadData if it is damaged. A code without words is good, and decodes
+  /// Reads a code as stored by BasisLZ. Errors: kBadData if it is damaged. A code without words is valid, and decodes
   /// nothing.
   static Result<BasisHuffman> read(BasisBits* bits);
-  /// Returns the next symbol; kNone if the bits are none of the code's words.
+  /// Returns the next symbol; kNone if the bits are not a word of the code.
   std::uint32_t next(BasisBits* bits) const;
 
  private:
@@ -47,7 +48,7 @@ class BasisHuffman {
   static Result<BasisHuffman> of_lengths(const std::vector<std::uint8_t>& lengths);
 
   std::array<std::uint32_t, kMaxBits + 1> count_{};  ///< Number of words of each length.
-  std::vector<std::uint16_t> symbols_;               ///< In the order of their words.
+  std::vector<std::uint16_t> symbols_;               ///< In the order of their code words.
 };
 
 }  // namespace cyclorama

@@ -7,8 +7,8 @@
 
 namespace cyclorama {
 
-/// Costs are recorded for squares of this side, on the grid that begins in the picture's corner. They are the ray
-/// tracer's cells, and no cut divides one.
+/// Costs are recorded for squares of this side, on a grid that begins in the picture's corner. The ray tracer's cells
+/// are the same squares, and no cut divides one.
 inline constexpr int kCostCellPx = 16;
 
 /// Returns the cells that the rectangle touches, as a rectangle in whole cells; empty for an empty rectangle.
@@ -22,7 +22,7 @@ inline constexpr int kCostCellPx = 16;
   return {left, top, right - left, bottom - top};
 }
 
-/// Returns a cell's index in a list of `cells`, row by row. Precondition: it is one of them.
+/// Returns a cell's index in a list of `cells`, row by row. Precondition: the cell is in `cells`.
 [[nodiscard]] inline std::size_t cell_index(const PixelRect& cells, int column, int row) {
   return static_cast<std::size_t>(row - cells.y) * static_cast<std::size_t>(cells.width) +
          static_cast<std::size_t>(column - cells.x);

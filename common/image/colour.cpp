@@ -7,8 +7,8 @@
 namespace cyclorama {
 namespace {
 
-/// Light is divided into kBuckets equal steps; each stores the code of its lower edge, which is at most two steps too
-/// low.
+/// Light is divided into kBuckets equal steps. Each step stores the code of its lower edge, which is at most two codes
+/// too low.
 struct CodeTable {
   static constexpr std::size_t kBuckets = 4096;
   std::array<std::uint8_t, kBuckets + 1> first{};
@@ -31,7 +31,7 @@ struct CodeTable {
 
 std::uint8_t linear_to_srgb8(float linear) {
   static const CodeTable table;
-  if (!(linear > 0.0f)) return 0;  // True for NaN, too.
+  if (!(linear > 0.0f)) return 0;  // Also true for NaN.
   if (linear >= 1.0f) return 255;
   std::uint8_t code = table.first[static_cast<std::size_t>(linear * CodeTable::kBuckets)];
   while (linear >= table.min[code + std::size_t{1}]) ++code;

@@ -19,7 +19,7 @@ namespace cyclorama {
   return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
 }
 
-/// Returns the 8-bit code value nearest to linear_to_srgb(); uses a table, which is many times faster. Reentrant.
+/// Returns the 8-bit code value nearest to linear_to_srgb(). It uses a table, which is many times faster. Reentrant.
 [[nodiscard]] std::uint8_t linear_to_srgb8(float linear);
 
 }  // namespace cyclorama

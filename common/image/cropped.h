@@ -8,7 +8,7 @@
 
 namespace cyclorama {
 
-/// Returns a copy of one part of a picture. Precondition: the part lies inside. Reentrant.
+/// Returns a copy of one part of a picture. Precondition: the part lies inside the picture. Reentrant.
 template <typename T, int Channels>
 [[nodiscard]] Image<T, Channels> cropped(const Image<T, Channels>& picture, const PixelRect& part) {
   CHECK(part.x >= 0 && part.y >= 0 && part.width <= picture.width() - part.x &&

@@ -9,7 +9,7 @@
 namespace cyclorama {
 namespace {
 
-/// Rows from the top; the five low bits of each are the columns, bit 4 leftmost.
+/// Seven rows from the top. The five low bits of a row are its columns; bit 4 is the leftmost.
 struct Glyph {
   char character;
   std::array<std::uint8_t, 7> rows;
@@ -53,8 +53,8 @@ void fill(RgbImage* picture, int left, int top, int width, int height, Colour co
 
 using Segment = std::pair<std::array<double, 2>, std::array<double, 2>>;
 
-/// Clips a line to the picture and a margin around it, however far away its ends are. Source: Liang and Barsky, "A New
-/// Concept and Method for Line Clipping", ACM TOG 3 (1984).
+/// Clips a line to the picture with a margin around it, however far away the line's ends are. Source: Liang and Barsky,
+/// "A New Concept and Method for Line Clipping", ACM TOG 3 (1984).
 std::optional<Segment> clipped(const std::array<double, 2>& from, const std::array<double, 2>& to,
                                const RgbImage& picture, double margin) {
   const std::array<double, 2> size{1.0 * picture.width(), 1.0 * picture.height()};

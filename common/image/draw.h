@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Draws lines and short text into pictures for people. Parts outside the picture are omitted. Reentrant.
+/// Draws lines and short texts into pictures that people look at. Parts outside the picture are omitted. Reentrant.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@ using Colour = std::array<std::uint8_t, 3>;  ///< sRGB
 
 [[nodiscard]] RgbImage to_rgb(const GreyImage& grey);
 
-/// Draws a straight line between two positions in pixels (the first pixel's centre is (0.5, 0.5)), `width_px` wide, 1
-/// to 16. A position that is not finite draws nothing.
+/// Draws a straight line, `width_px` (1 to 16) wide, between two positions in pixels, where the first pixel's centre is
+/// (0.5, 0.5). Draws nothing if a position is not finite.
 void draw_line(RgbImage* picture, const std::array<double, 2>& from, const std::array<double, 2>& to, Colour colour,
                int width_px = 1);
 

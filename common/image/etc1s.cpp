@@ -7,7 +7,7 @@
 namespace cyclorama {
 namespace {
 
-/// ETC1's modifiers by brightness and selector, from dark to light.
+/// ETC1's modifiers by brightness and selector, the latter from dark to light.
 constexpr std::array<std::array<int, 4>, 8> kModifiers = {{{-8, -2, 2, 8},
                                                            {-17, -5, 5, 17},
                                                            {-29, -9, 9, 29},
@@ -16,14 +16,14 @@ constexpr std::array<std::array<int, 4>, 8> kModifiers = {{{-8, -2, 2, 8},
                                                            {-80, -24, 24, 80},
                                                            {-106, -33, 33, 106},
                                                            {-183, -47, 47, 183}}};
-constexpr std::uint32_t kMaxRun = 63;  ///< The symbol for a run whose length follows.
+constexpr std::uint32_t kMaxRun = 63;  ///< Symbol for a run whose length is stored after it.
 constexpr std::uint32_t kMinRun = 3;
 
 Error damaged(const char* what) {
   return Error(ErrorCode::kBadData, std::string("the KTX2 texture's ") + what + " are damaged; export it again");
 }
 
-/// The selectors used most recently. It moves one that is used again half way to the front.
+/// The most recently used selectors. A selector that is used again moves half way to the front.
 class History {
  public:
   explicit History(std::size_t size) : selectors_(size, 0), rover_(size / 2) {}
@@ -33,7 +33,7 @@ class History {
     selectors_[rover_++] = selector;
     if (rover_ == selectors_.size()) rover_ = selectors_.size() / 2;
   }
-  /// Precondition: `place` is below size().
+  /// Returns the selector at `place`, and moves it half way to the front. Precondition: `place` is below size().
   std::uint32_t use(std::size_t place) {
     const std::uint32_t used = selectors_[place];
     if (place > 0) std::swap(selectors_[place / 2], selectors_[place]);
@@ -64,7 +64,7 @@ class Etc1sCodebook::Slice {
   }
 
  private:
-  /// One symbol predicts the endpoints of 2x2 blocks, two bits each; even rows read those of the row below as well.
+  /// A symbol predicts the endpoints of 2x2 blocks, with two bits for each; even rows also read those of the row below.
   Result<std::uint32_t> prediction_of(std::size_t column, std::size_t row) {
     if (row % 2 == 0 && column % 2 == 0) {
       constexpr std::uint32_t kRepeat = 256;
@@ -128,17 +128,17 @@ class Etc1sCodebook::Slice {
   const Etc1sCodebook& codebook_;
   BasisBits bits_;
   History history_;
-  std::array<std::vector<std::uint32_t>, 2> endpoints_;  ///< Those of even and odd rows.
-  std::vector<std::uint32_t> predictions_;               ///< At even columns.
+  std::array<std::vector<std::uint32_t>, 2> endpoints_;  ///< Endpoints of even and of odd rows.
+  std::vector<std::uint32_t> predictions_;               ///< Predictions at even columns.
   std::uint32_t last_prediction_ = 0;
   std::uint32_t repeats_ = 0;
   std::uint32_t last_endpoint_ = 0;
-  std::uint32_t run_ = 0;  ///< Blocks that still have the history's first selector.
+  std::uint32_t run_ = 0;  ///< Number of following blocks that also have the history's first selector.
 };
 
 Status Etc1sCodebook::read_endpoints(const Etc1sSource& source) {
   BasisBits bits(source.endpoints);
-  std::array<BasisHuffman, 3> steps;  // For dark, middle and light colours before.
+  std::array<BasisHuffman, 3> steps;  // Three codes, used after dark, middle and light colours.
   for (BasisHuffman& step : steps) {
     TRY_ASSIGN(step, BasisHuffman::read(&bits));
   }

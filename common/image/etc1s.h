@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// ETC1S with BasisLZ: textures whose blocks of 4x4 pixels have one colour and one brightness per pixel each. Source: KTX
-/// 2.0, "BasisLZ Bitstream Specification".
+/// ETC1S with BasisLZ: textures whose blocks of 4x4 pixels have one colour for all pixels and one brightness for each
+/// pixel. Source: KTX 2.0, "BasisLZ Bitstream Specification".
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace cyclorama {
 
-/// The parts of KTX's supercompression global data that BasisLZ needs. Borrows them.
+/// The parts of KTX's supercompression global data that BasisLZ uses. Borrows them.
 struct Etc1sSource {
   std::size_t endpoint_count = 0;  ///< At most 65535, like selector_count.
   std::size_t selector_count = 0;
@@ -27,12 +27,12 @@ struct Etc1sSource {
 /// Colours, selectors and codes that all pictures of a texture share. Thread-safe once read.
 class Etc1sCodebook {
  public:
-  /// Errors: kBadData if it is damaged.
+  /// Reads the codebook. Errors: kBadData if it is damaged.
   static Result<Etc1sCodebook> read(const Etc1sSource& source);
 
   enum class Target { kColour, kAlpha };
-  /// Decodes a slice into the colour, or the green of its colours into the alpha, of `ret_image`. Errors: kBadData if the
-  /// slice is damaged.
+  /// Decodes a slice into `ret_image`: into its colour, or, for kAlpha, the green of the slice's colours into its
+  /// alpha. Errors: kBadData if the slice is damaged.
   Status decode(std::span<const std::byte> slice, Target target, RgbaImage* ret_image) const;
 
  private:

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-// jpeglib.h needs stdio's FILE before it.
+// jpeglib.h requires stdio's FILE.
 #include <cstdio>
 
 #include <jpeglib.h>
@@ -17,7 +17,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr int kMaxScans = 500;  // A progressive file of a few kilobytes can otherwise take hours.
+constexpr int kMaxScans = 500;  // Without this limit, a progressive file of a few kilobytes could take hours.
 
 struct Failure {
   jpeg_error_mgr manager;
@@ -31,7 +31,7 @@ struct Failure {
   std::longjmp(failure->leave, 1);
 }
 
-/// Tolerates bytes without meaning, the only one of libjpeg's warnings that leaves the picture whole.
+/// Tolerates bytes without meaning: of libjpeg's warnings, only this one leaves the picture whole.
 void at_message(j_common_ptr info, int level) {
   if (level < 0 && info->err->msg_code != JWRN_EXTRANEOUS_DATA) fail(info);
 }
@@ -42,7 +42,8 @@ void check_scans(j_common_ptr info) {
   ERREXIT(info, JERR_BAD_PROGRESSION);
 }
 
-/// libjpeg's state. Its functions fail by longjmp(), which skips destructors, so no frame that it leaves may have any.
+/// libjpeg's state. Its functions fail by longjmp(), which skips destructors, so no function in between may have
+/// objects with destructors.
 class Decoder {
  public:
   Decoder() {
@@ -57,14 +58,14 @@ class Decoder {
   Decoder& operator=(const Decoder&) = delete;
   ~Decoder() { jpeg_destroy_decompress(&info_); }
 
-  /// Reads up to the first scan. False if that fails.
+  /// Reads up to the first scan. Returns false on failure.
   bool read_header(std::span<const std::byte> jpeg) {
     if (setjmp(failure_.leave) != 0) return false;
     jpeg_mem_src(&info_, reinterpret_cast<const unsigned char*>(jpeg.data()), jpeg.size());
     jpeg_read_header(&info_, TRUE);
     return true;
   }
-  /// Fills `pixels`, four values for each; CMYK stays as it is stored.
+  /// Fills `pixels`, four values per pixel; CMYK remains as it is stored. Returns false on failure.
   bool read_pixels(std::uint8_t* pixels) {
     if (setjmp(failure_.leave) != 0) return false;
     info_.out_color_space = is_cmyk() ? JCS_CMYK : JCS_EXT_RGBA;
@@ -83,7 +84,7 @@ class Decoder {
   [[nodiscard]] bool is_cmyk() const {
     return info_.jpeg_color_space == JCS_CMYK || info_.jpeg_color_space == JCS_YCCK;
   }
-  /// Adobe's programs store ink as 255 - ink.
+  /// True if ink is stored as 255 - ink, as Adobe's programs do.
   [[nodiscard]] bool is_inverted() const { return info_.saw_Adobe_marker != 0; }
   [[nodiscard]] std::string message() const { return failure_.message.data(); }
 

@@ -11,7 +11,8 @@
 
 namespace cyclorama {
 
-/// A value: copies copy the pixels. 8-bit colour is sRGB and float colour is linear light, unless stated otherwise.
+/// A picture with `Channels` values per pixel. A value: copies copy the pixels. 8-bit colour is sRGB and float colour
+/// is linear light, unless stated otherwise.
 template <typename T, int Channels>
 class Image {
  public:
@@ -24,7 +25,7 @@ class Image {
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] bool empty() const { return data_.empty(); }
-  /// Returns the first of a pixel's Channels values. Precondition: (x, y) is inside.
+  /// Returns the first of the Channels values of a pixel. Precondition: (x, y) is inside.
   [[nodiscard]] T* at(int x, int y) { return data_.data() + index_of(x, y); }
   [[nodiscard]] const T* at(int x, int y) const { return data_.data() + index_of(x, y); }
   [[nodiscard]] std::span<T> data() { return data_; }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kCompressionLevel = 3;
 
-/// The median of left, above, and their sum less the value above left.
+/// Returns the median of left, above, and (left + above - upper left).
 int predicted(const InverseDepthImage& depth, int x, int y) {
   if (x == 0 && y == 0) return 0;
   if (y == 0) return *depth.at(x - 1, 0);
@@ -24,7 +24,7 @@ int predicted(const InverseDepthImage& depth, int x, int y) {
   return std::clamp(left + above - corner, lower, upper);
 }
 
-// Small differences of either sign become small numbers: 0, -1, 1, -2, ... are 0, 1, 2, 3, ...
+// Maps differences of either sign near 0 to small numbers: 0, -1, 1, -2, ... become 0, 1, 2, 3, ...
 unsigned folded(int difference) {
   return difference < 0 ? 2U * static_cast<unsigned>(-difference) - 1U : 2U * static_cast<unsigned>(difference);
 }
@@ -51,7 +51,7 @@ PixelRect depth_cells(const PixelRect& pixels) {
 }
 
 std::string encode_inverse_depth(const InverseDepthImage& depth) {
-  // The low bytes of all codes, then the high ones, which are nearly all zero.
+  // First the low bytes of all codes, then the high bytes, which are nearly all zero.
   const std::size_t count = depth.data().size();
   std::vector<std::uint8_t> planes(2 * count);
   std::size_t i = 0;

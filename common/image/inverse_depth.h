@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A coarse inverse depth that accompanies a picture, by which a display shows the picture from a slightly different
+/// A coarse inverse depth that accompanies a picture. With it, a display shows the picture from a slightly different
 /// eye (appliance/display/reprojection_mesh.h).
 ///
-/// There is one value for each cell of 4x4 pixels: the *nearest* surface that any of its samples met, because a near
-/// edge that moves with the distance behind it is seen at once, and the reverse is not. Values are proportional to the
-/// inverse distance along the ray, so that their steps are equal in parallax: 4095 at 0.1 m or nearer, 0 at infinity.
+/// There is one value for each cell of 4x4 pixels: that of the *nearest* surface that any of the cell's samples met,
+/// because a near edge that wrongly moves with the background is conspicuous, while background that moves with a near
+/// edge is not. Values are proportional to the inverse distance along the ray, so that their steps are equal in
+/// parallax: 4095 at 0.1 m or nearer, 0 at infinity.
 #pragma once
 
 #include <cstddef>
@@ -27,19 +28,20 @@ using InverseDepthImage = Image<std::uint16_t, 1>;
 
 /// Returns the value of a distance in metres; infinity and NaN give 0. Reentrant, like all functions here.
 [[nodiscard]] std::uint16_t inverse_depth_of(float distance_m);
-/// Returns 1 / distance, per metre.
+/// Returns the inverse distance in 1/m.
 [[nodiscard]] inline float inverse_metres(std::uint16_t inverse_depth) {
   return static_cast<float>(inverse_depth) * static_cast<float>(1.0 / (kMaxInverseDepth * kMinDepth_m));
 }
 
-/// Returns the cells that a rectangle of pixels touches; none for an empty one. Precondition: x and y are not negative.
+/// Returns the cells that a rectangle of pixels touches; empty for an empty rectangle. Precondition: x and y are not
+/// negative.
 [[nodiscard]] PixelRect depth_cells(const PixelRect& pixels);
 
-/// Compresses losslessly: each value is predicted from its neighbours to the left and above (the median edge detector of
-/// LOCO-I: Weinberger, Seroussi and Sapiro 2000), and the differences go to zstd. Never empty.
+/// Compresses losslessly: each value is predicted from its neighbours to the left and above (by the median edge
+/// detector of LOCO-I: Weinberger, Seroussi and Sapiro 2000), and the differences are compressed by zstd. Never empty.
 [[nodiscard]] std::string encode_inverse_depth(const InverseDepthImage& depth);
-/// Writes what encode_inverse_depth() made of `cells.width` by `cells.height` values to that part of `depth`. Errors:
-/// kBadData unless the bytes are exactly those values, each at most kMaxInverseDepth; `depth` is unchanged then.
+/// Inverse of encode_inverse_depth(): writes `cells.width` by `cells.height` values to that part of `depth`. Errors:
+/// kBadData unless the bytes contain exactly these values, each at most kMaxInverseDepth; `depth` is then unchanged.
 /// Precondition: `cells` is not empty and lies inside `depth`.
 Status decode_inverse_depth(std::span<const std::byte> bytes, const PixelRect& cells, InverseDepthImage* depth);
 

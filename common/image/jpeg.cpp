@@ -10,7 +10,7 @@
 namespace cyclorama {
 namespace {
 constexpr int kMaxSidePx = 65500;  // libjpeg's own limit.
-// A scan limit, since a progressive file of a few kilobytes can otherwise take hours.
+// Without the limit on scans, a progressive file of a few kilobytes can take hours.
 constexpr int kDecodeFlags = TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
 }  // namespace
 
@@ -69,7 +69,7 @@ struct JpegDecoder::Handle {
   Handle& operator=(const Handle&) = delete;
   ~Handle() { tjDestroy(tj); }
 
-  /// Creates the decoder anew: after bad bytes TurboJPEG 2.1 keeps part of them and would refuse the next good picture.
+  /// Recreates the decoder: after bad bytes, TurboJPEG 2.1 keeps part of them and would refuse the next good picture.
   Error bad(const char* doing) {
     Error error(ErrorCode::kBadData, fmt::format("{}: {}", doing, tjGetErrorStr2(tj)));
     tjDestroy(tj);

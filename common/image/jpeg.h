@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// JPEG by TurboJPEG, for transmission, photographs and textures.
+/// JPEG with TurboJPEG, for transmission, photographs and textures.
 #pragma once
 
 #include <cstddef>
@@ -17,10 +17,10 @@ namespace cyclorama {
 
 struct JpegOptions {
   int quality = 85;              ///< 1 to 100.
-  bool subsample_chroma = true;  ///< 4:2:0, else 4:4:4.
+  bool subsample_chroma = true;  ///< True: 4:2:0; false: 4:4:4.
 };
 
-/// Keeps TurboJPEG's state between pictures. Thread-bound: one per thread.
+/// Encodes JPEG; keeps TurboJPEG's state between pictures. Thread-bound: one per thread.
 class JpegEncoder {
  public:
   JpegEncoder();
@@ -33,7 +33,7 @@ class JpegEncoder {
   Result<std::vector<std::byte>> encode(const std::uint8_t* rgb, int width, int height, std::size_t row_bytes,
                                         const JpegOptions& options);
   Result<std::vector<std::byte>> encode(const RgbImage& image, const JpegOptions& options);
-  /// Converts as a 4:4:4 JPEG would, without any loss except rounding.
+  /// Converts like a 4:4:4 JPEG, but without any loss except rounding.
   PlanarPicture to_planar(const RgbImage& image);
 
  private:
@@ -49,8 +49,8 @@ struct JpegSize {
 /// Contents of a JPEG's header.
 struct JpegHeader {
   JpegSize size;
-  /// True if colours are stored as in a PlanarPicture with half chroma, false if with full chroma; nothing if they are
-  /// stored in another way (grey, 4:2:2, CMYK...).
+  /// True if the colours are stored as in a PlanarPicture with half chroma, false if as in one with full chroma; empty
+  /// if they are stored in another way (grey, 4:2:2, CMYK...).
   std::optional<bool> has_half_chroma;
 };
 
@@ -69,12 +69,12 @@ class JpegDecoder {
   /// Decodes a picture; refuses more than `limit_px` pixels before allocating anything.
   Result<RgbImage> decode(std::span<const std::byte> jpeg, std::size_t limit_px);
   Result<GreyImage> decode_grey(std::span<const std::byte> jpeg, std::size_t limit_px);
-  /// Decodes into the caller's pixels. Errors: also kBadData if the picture is not exactly `width` x `height`.
+  /// Decodes into the caller's pixels. Errors: kBadData also if the picture is not exactly `width` x `height`.
   Status decode_into(std::span<const std::byte> jpeg, std::uint8_t* rgb, int width, int height, std::size_t row_bytes);
-  /// Decodes into a part of a picture without conversion to RGB, which is about twice as fast. `place` lies inside the
-  /// picture, begins at even pixels, and ends at even pixels or at the picture's edge. Several decoders may fill
-  /// disjoint parts concurrently. Errors: also kBadData if the JPEG has not exactly the part's size or stores its
-  /// colours in another way.
+  /// Decodes into a part of a picture without conversion to RGB, which is about twice as fast. Several decoders may
+  /// fill disjoint parts at the same time. Precondition: `place` lies inside the picture, begins at even pixels, and
+  /// ends at even pixels or at the picture's edge. Errors: kBadData also if the JPEG does not have exactly the size of
+  /// the part, or stores its colours in another way than `picture`.
   Status decode_into(std::span<const std::byte> jpeg, PlanarPicture* picture, const PixelRect& place);
   RgbImage to_rgb(const PlanarPicture& picture);
 

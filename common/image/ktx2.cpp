@@ -48,7 +48,7 @@ Error unsupported(std::string_view what) {
                fmt::format("the KTX2 texture {}; export it as a flat Basis Universal texture, PNG or JPEG", what));
 }
 
-/// Little-endian integer. Precondition: it lies in `bytes`.
+/// Returns a little-endian integer. Precondition: it lies within `bytes`.
 template <typename T>
 T number_at(Bytes bytes, std::size_t offset) {
   T value{};
@@ -56,7 +56,7 @@ T number_at(Bytes bytes, std::size_t offset) {
   return value;
 }
 
-/// The bytes from `offset` on; nothing, as an error, if the file ends before them.
+/// Returns `size` bytes from `offset` on. Errors: kBadData if the file ends before their end.
 Result<Bytes> part_of(Bytes bytes, std::uint64_t offset, std::uint64_t size) {
   if (offset > bytes.size() || size > bytes.size() - offset) return damaged("ends too early");
   return bytes.subspan(offset, size);

@@ -30,9 +30,9 @@ constexpr std::uint64_t kMaxTilePixels = std::uint64_t{4096} * 4096;
 
 Error bad(std::string_view what) { return Error(ErrorCode::kBadData, fmt::format("OpenEXR: {}", what)); }
 
-/// Checks the header's attributes, because the library allocates memory for an attribute before checking that the file
-/// contains as much. The header is a list of name, type (both zero-terminated), length and value, and ends with an
-/// empty name.
+/// Checks the header's attributes, because the library allocates memory for an attribute before it checks that the file
+/// contains that much data. The header is a list of name, type (both zero-terminated), length and value, and ends with
+/// an empty name.
 Status check_attributes(std::string_view text) {
   std::size_t at = kPrologueBytes;
   const auto broken = [&] { return bad(fmt::format("byte {}: the header is cut short; copy the picture again", at)); };
@@ -44,7 +44,8 @@ Status check_attributes(std::string_view text) {
     }
     std::uint32_t length = 0;
     if (text.size() - at < sizeof(length)) return broken();
-    std::memcpy(&length, text.data() + at, sizeof(length));  // Little-endian, like every supported machine.
+    // The length is little-endian, like every supported machine.
+    std::memcpy(&length, text.data() + at, sizeof(length));
     at += sizeof(length);
     if (length > text.size() - at) return broken();
     at += length;
@@ -128,7 +129,7 @@ Result<RadianceImage> decode(std::span<const std::byte> bytes, std::size_t limit
     TRY(check_size(header, limit_px));
     stream.seekg(0);
   }
-  Imf::InputFile file(stream, 0);  // No threads of its own.
+  Imf::InputFile file(stream, 0);  // The library starts no threads.
   return read_pixels(&file);
 }
 

@@ -24,7 +24,7 @@ Error bad(std::size_t offset, std::string_view what) {
   return Error(ErrorCode::kBadData, fmt::format("byte {}: {}", offset, what));
 }
 
-/// Takes the next word of the header and the one blank that ends it. Empty at the end of the bytes.
+/// Takes the next word of the header, and the one blank that ends it. Returns an empty word at the end of the bytes.
 std::string_view take_word(std::string_view header, std::size_t* offset) {
   const std::size_t begin = std::min(header.find_first_not_of(kBlanks, *offset), header.size());
   const std::size_t end = std::min(header.find_first_of(kBlanks, begin), header.size());
@@ -69,7 +69,7 @@ Result<RadianceImage> decode_pfm(std::span<const std::byte> pfm, std::size_t lim
   }
   RadianceImage image(width, height);
   const std::byte* in = pfm.data() + offset;
-  for (int y = height - 1; y >= 0; --y) {  // The last row comes first.
+  for (int y = height - 1; y >= 0; --y) {  // The last row is stored first.
     float* out = image.at(0, y);
     for (int i = 0; i < 3 * width; ++i) {
       std::uint32_t bits = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// PFM ("portable float map"): linear light in float, exactly. Used to compare pictures between our tools and others.
-/// Source: Debevec, "PFM Portable FloatMap Image Format", www.pauldebevec.com/Research/HDR/PFM.
+/// PFM ("portable float map"): linear light in float, exactly. Used to compare pictures between this project's programs
+/// and others. Source: Debevec, "PFM Portable FloatMap Image Format", www.pauldebevec.com/Research/HDR/PFM.
 #pragma once
 
 #include <cstddef>
@@ -13,12 +13,12 @@
 
 namespace cyclorama {
 
-/// Decodes colour ("PF") or grey ("Pf", which becomes three equal channels), of either byte order; the magnitude of the
-/// scale is ignored, as in other programs. Values are unchanged, including NaN and infinities, which a comparison must
-/// see. Errors: kBadData with the byte of the fault; more than `limit_px` pixels are refused before memory is
-/// allocated. Reentrant.
+/// Decodes colour ("PF") or grey ("Pf", which becomes three equal channels), in either byte order; the magnitude of the
+/// scale is ignored, as by other programs. Values are unchanged, including NaN and infinities, so that comparisons see
+/// them. Errors: kBadData with the byte of the fault; more than `limit_px` pixels are refused before allocation.
+/// Reentrant.
 Result<RadianceImage> decode_pfm(std::span<const std::byte> pfm, std::size_t limit_px);
-/// Reads a file. Errors: as decode_pfm(), with the file's name.
+/// Reads a file. Errors: those of decode_pfm(), with the file's name.
 Result<RadianceImage> read_pfm(const std::filesystem::path& path, std::size_t limit_px);
 
 /// Encodes as little-endian with scale 1. Precondition: the picture is not empty.

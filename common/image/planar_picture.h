@@ -5,9 +5,9 @@
 
 namespace cyclorama {
 
-/// A picture as stored in JPEG: luma, and two colour differences with as many pixels (4:4:4), or with half as many in
-/// each direction (4:2:0), each of which is then centred on four luma pixels. Code values as in JFIF: R = Y + 1.402 (Cr
-/// - 128), and so on. A value: copies copy the pixels.
+/// A picture as stored in JPEG: luma, and two colour differences that have the same number of pixels (4:4:4), or half
+/// the number in each direction (4:2:0), so that each is centred on four luma pixels. Code values are those of JFIF: R
+/// = Y + 1.402 (Cr - 128), and so on. A value: copies copy the pixels.
 class PlanarPicture {
  public:
   PlanarPicture() = default;
@@ -22,7 +22,7 @@ class PlanarPicture {
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] bool has_half_chroma() const { return has_half_chroma_; }
-  /// With half chroma, a picture of odd size has an additional column or row, to complete the groups of four.
+  /// Luma. With half chroma, a picture of odd size has an additional column or row, to complete the groups of four.
   [[nodiscard]] GreyImage& luma() { return luma_; }
   [[nodiscard]] const GreyImage& luma() const { return luma_; }
   [[nodiscard]] GreyImage& blue() { return blue_; }  ///< Cb

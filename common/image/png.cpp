@@ -13,7 +13,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::size_t kChunkLimitBytes = 64u << 20;  // Limit of one ancillary chunk, and of the cache of all.
+constexpr std::size_t kChunkLimitBytes = 64u << 20;  // Limit of one ancillary chunk, and of all cached chunks.
 constexpr int kQuick = 3;
 
 using Context = std::unique_ptr<spng_ctx, void (*)(spng_ctx*)>;

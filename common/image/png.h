@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// PNG by libspng: input of textures, and output of pictures for people.
+/// PNG with libspng: reads textures, and writes pictures that people look at.
 #pragma once
 
 #include <cstddef>

@@ -9,7 +9,7 @@
 
 namespace cyclorama {
 
-/// A picture of any depth, row by row. Borrows the samples.
+/// A picture with samples of 8 or 16 bits, row by row. Borrows the samples.
 struct PngSamples {
   int width_px = 0;
   int height_px = 0;
@@ -18,7 +18,7 @@ struct PngSamples {
   std::span<const std::byte> samples;
 };
 
-/// Errors: kInvalidArgument if the picture is empty or the number of samples does not match. Reentrant.
+/// Encodes `picture`. Errors: kInvalidArgument if it is empty or its number of samples does not match. Reentrant.
 Result<std::vector<std::byte>> encode_png(const PngSamples& picture);
 
 }  // namespace cyclorama

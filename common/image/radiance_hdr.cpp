@@ -18,7 +18,7 @@ namespace cyclorama {
 namespace {
 
 constexpr std::size_t kLineLimitBytes = 4096;
-constexpr int kMinRleWidth = 8;  ///< Rows narrower or wider than these limits are never in the newer scheme.
+constexpr int kMinRleWidth = 8;  ///< Narrower or wider rows are never in the newer scheme.
 constexpr int kMaxRleWidth = 32767;
 
 using Texel = std::array<std::uint8_t, 4>;  ///< R, G, B, exponent.
@@ -27,7 +27,7 @@ struct Header {
   std::array<float, 3> scale{1.0f, 1.0f, 1.0f};  ///< Factor from stored values to radiance.
   /// Number of stored rows, along the picture's y unless `columns_first`.
   int rows = 0;
-  int length = 0;                                ///< Texels in a stored row.
+  int length = 0;  ///< Number of texels in a stored row.
   bool columns_first = false;
   bool x_backwards = false;
   bool y_upwards = false;
@@ -58,7 +58,7 @@ class HdrReader {
     return header;
   }
 
-  /// Reads one row in whichever scheme it is coded.
+  /// Reads one row, in either scheme.
   Status row(std::vector<Texel>* ret_row) {
     const auto length = static_cast<int>(ret_row->size());
     const bool may_be_new = length >= kMinRleWidth && length <= kMaxRleWidth && left() >= 4;
@@ -153,8 +153,9 @@ class HdrReader {
     return Done{};
   }
 
-  /// Reads literal texels; (1, 1, 1, n) repeats the previous texel n times; further such texels directly after it mean
-  /// n * 256 times, n * 256^2 times, and so on.
+  /// Reads a row in the older scheme: texels are literal, but (1, 1, 1, n) repeats the previous texel n times. If
+  /// several of these follow each other directly, the second one means n * 256 times, the third n * 256^2 times, and so
+  /// on.
   Status old_row(std::vector<Texel>* ret_row) {
     int shift = 0;
     for (std::size_t done = 0; done < ret_row->size();) {
@@ -179,7 +180,8 @@ class HdrReader {
   std::size_t at_ = 0;
 };
 
-/// Minimum size of a row: a run of 127 in two bytes for each channel, or four bytes for 256^4 texels.
+/// Returns the minimum size of all rows: for a row, a run of 127 takes two bytes for each channel, or 256^4 texels take
+/// four.
 std::size_t min_bytes(const Header& header) {
   const auto rows = static_cast<std::size_t>(header.rows);
   return rows * (header.length <= kMinRleWidth ? 4 : 8);

@@ -10,9 +10,9 @@
 namespace cyclorama {
 namespace {
 
-/// A code of endpoints: plain bits, and a digit of base `radix` (0 for none) that several endpoints share a number with.
-/// Value v becomes ((digit * scale + spread) ^ mirror) >> 2 as in ASTC; `spread` has, from its highest of nine bits on,
-/// which plain bit is put there ('a' is the lowest, '0' none).
+/// A code of endpoints: plain bits, and a digit of base `radix` (0: none). Several endpoints' digits share a number. A
+/// value is ((digit * scale + spread) ^ mirror) >> 2, as in ASTC; the text `spread` gives, for each of nine bits from
+/// the highest, the plain bit that is put there ('a' is the lowest, '0' none).
 struct EndpointCode {
   int bits;
   std::uint32_t radix;
@@ -31,7 +31,7 @@ constexpr EndpointCode kLevels256 = {8, 0, "", 0};
 struct Mode {
   std::uint32_t word;  ///< The block's first bits.
   int word_bits;
-  int hint_bits;  ///< For programs that repack the block; skipped.
+  int hint_bits;  ///< For programs that recompress the block; skipped.
   int weight_bits;
   const EndpointCode* endpoints;
   std::size_t subsets;
@@ -53,7 +53,7 @@ constexpr std::array<Mode, 19> kModes = {{
     {0x09, 4, 15, 5, &kLevels32, 1, 1, 3},
 }};
 
-// Partitions: the subset of each pixel, the first pixel in the lowest bits.
+// Partitions: the subset of each pixel; that of the first pixel is in the lowest bits.
 constexpr std::array<std::uint16_t, 30> kTwoSubsets = {0xcccc, 0x8888, 0x1111, 0xecc8, 0x377f, 0xfeec, 0x0137, 0x137f,
                                                        0xc800, 0x0013, 0xfe80, 0x17ff, 0x0017, 0x00ff, 0xfff0, 0x0fff,
                                                        0xff71, 0x8eff, 0x08ce, 0x008c, 0x7310, 0xceff, 0x7331, 0x088c,
@@ -79,7 +79,7 @@ std::uint32_t endpoint_value(const EndpointCode& code, std::uint32_t plain, std:
   return (mirror & 0x80u) | ((digit * code.scale + spread) ^ mirror) >> 2;
 }
 
-/// The digits come first, as numbers of five digits (base 3) or three (base 5), then all plain bits.
+/// Reads endpoints. The digits come first, as numbers of five digits (base 3) or three (base 5), then all plain bits.
 Endpoints read_endpoints(const EndpointCode& code, std::size_t count, BasisBits* bits) {
   constexpr std::array<int, 6> kBitsOfTrits = {0, 2, 4, 5, 7, 8};
   constexpr std::array<int, 4> kBitsOfQuints = {0, 3, 5, 7};
@@ -95,7 +95,7 @@ Endpoints read_endpoints(const EndpointCode& code, std::size_t count, BasisBits*
   return values;
 }
 
-/// Reads which subset each pixel is in; nothing if there is no such partition.
+/// Reads the subset of each pixel; empty if there is no such partition.
 std::optional<Subsets> read_subsets(std::size_t mode, BasisBits* bits) {
   Subsets subsets{};
   const std::size_t count = kModes[mode].subsets;
@@ -116,7 +116,7 @@ std::optional<Subsets> read_subsets(std::size_t mode, BasisBits* bits) {
   return subsets;
 }
 
-/// Weight in 64ths of a stored weight.
+/// Returns a stored weight in 64ths.
 std::uint32_t weight_of(std::uint32_t stored, int bits) {
   constexpr std::array<std::uint32_t, 4> kTwo = {0, 21, 43, 64};
   constexpr std::array<std::uint32_t, 8> kThree = {0, 9, 18, 27, 37, 46, 55, 64};
@@ -141,7 +141,7 @@ std::uint8_t blend(std::uint32_t low, std::uint32_t high, std::uint32_t weight) 
 
 using Weights = std::array<std::uint32_t, 32>;
 
-/// The first weight of each subset, and of each plane, has its highest bit left out, which is zero.
+/// Reads weights. The highest bit of the first weight of each subset, and of each plane, is zero and not stored.
 Weights read_weights(const Mode& mode, const Subsets& subsets, BasisBits* bits) {
   Weights weights{};
   std::array<bool, 3> seen{};
@@ -173,7 +173,7 @@ std::optional<UastcPixels> decode_uastc(std::span<const std::byte> block) {
   bits.take(mode.hint_bits);
   const std::optional<Subsets> subsets = read_subsets(mode_index, &bits);
   if (!subsets) return std::nullopt;
-  std::size_t second_plane = 4;  // Channel that has weights of its own.
+  std::size_t second_plane = 4;  // Channel with weights of its own.
   if (mode.planes == 2) second_plane = mode.channels == 2 ? 3 : bits.take(2);
   const Endpoints ends = read_endpoints(*mode.endpoints, 2 * mode.channels * mode.subsets, &bits);
   const Weights weights = read_weights(mode, *subsets, &bits);

@@ -19,7 +19,8 @@ std::uint64_t split_mix(std::uint64_t state) {
   return state ^ (state >> 31);
 }
 
-/// `delta` is in two's complement, so that only sums of bytes are needed.
+/// Adds `delta` to values that are not near black or white. `delta` is in two's complement, so that sums of bytes
+/// suffice.
 CYCLORAMA_VECTOR_CLONES
 void add_row(const std::uint8_t* delta, std::uint8_t* __restrict values, std::size_t count) {
   constexpr int kSpan = 255 - 2 * kWatermarkMarginCodes;
@@ -36,7 +37,7 @@ void add_row(const std::uint8_t* delta, std::uint8_t* __restrict values, std::si
 WatermarkRow watermark_row(std::uint64_t key, int row, int sparseness) {
   constexpr std::uint64_t kWordsPerRow = 8;
   const std::uint64_t first = static_cast<std::uint64_t>(row % kWatermarkPeriodCells) * kWordsPerRow;
-  // Two rounds, so that keys that differ in few bits have nothing in common.
+  // Two rounds, so that keys that differ in few bits give unrelated rows.
   const std::uint64_t seed = split_mix(key);
   WatermarkRow out{~std::uint64_t{0}, split_mix(seed ^ split_mix(first))};
   for (int i = 1; i <= sparseness; ++i) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// An invisible mark in the pixels, different for each key, by which a leaked picture identifies the museum that it was
-/// made for. It survives JPEG, cropping, and downscaling to half, but not averaging over many frames, nor an attacker
-/// who has the key.
+/// An invisible mark in the pixels, different for each key, by which a leaked picture identifies the museum for which
+/// it was made. It survives JPEG, cropping, and downscaling to half, but not averaging over many frames, nor an
+/// attacker who has the key.
 ///
 /// Spread spectrum (Cox, Kilian, Leighton and Shamoon 1997, "Secure spread spectrum watermarking for multimedia"):
-/// cells of 4 x 4 pixels are made lighter or darker by one code value, according to the key's random signs. This
-/// frequency is lower than most that JPEG discards, and higher than most of a picture's content. The signs repeat after
-/// 64 cells, so the position of a cropped picture is found by trying all of them.
+/// cells of 4 x 4 pixels are made lighter or darker by one code value, according to the key's random signs. Their
+/// spatial frequency is lower than most that JPEG discards, and higher than most of a picture's content. The signs
+/// repeat after 64 cells, so the position of a cropped picture is found by trying all offsets.
 #pragma once
 
 #include <cstdint>
@@ -18,27 +18,28 @@ namespace cyclorama {
 
 inline constexpr int kWatermarkCellPx = 4;
 inline constexpr int kWatermarkPeriodCells = 64;
-/// Code values this close to black and white remain unchanged: nothing is clipped, and the black around an exhibit,
-/// which JPEG codes in no bytes, stays black.
+/// Code values this close to black or white do not change: nothing is clipped, and the black around an exhibit, which
+/// costs JPEG no bytes, stays black.
 inline constexpr int kWatermarkMarginCodes = 8;
 
-/// The farm uses the defaults; `cyclorama-bench-render watermark` measures cost and effect of other values.
+/// Strength of the mark. The farm uses the defaults; `cyclorama-bench-render watermark` measures the cost and effect of
+/// others.
 struct WatermarkStrength {
-  int amplitude = 1;   ///< Code values, 1 to kWatermarkMarginCodes.
+  int amplitude = 1;   ///< In code values, 1 to kWatermarkMarginCodes.
   int sparseness = 3;  ///< One cell in 2^sparseness is marked; 0 to 4.
 };
 
-/// A row of cells of one period: bit x is column x.
+/// One row of cells of a period: bit x is column x.
 struct WatermarkRow {
   std::uint64_t marked = 0;
-  std::uint64_t lighter = 0;  ///< Marked cells that become lighter; the others become darker.
+  std::uint64_t lighter = 0;  ///< Marked cells that become lighter; other marked cells become darker.
 };
-/// Returns the row of index `row`, which may be any number: rows repeat after kWatermarkPeriodCells. Reentrant.
+/// Returns row `row` of the pattern. Any number is valid, since rows repeat after kWatermarkPeriodCells. Reentrant.
 [[nodiscard]] WatermarkRow watermark_row(std::uint64_t key, int row, int sparseness);
 
 /// Marks the part `rect` of a picture. The mark depends only on the position in the whole picture, so the result is the
-/// same to the last bit however the picture is cut. `key` 0 does nothing. Precondition: the pixels have the size of
-/// `rect`, which begins at or beyond (0, 0). Reentrant.
+/// same to the last bit however the picture is cut. `key` 0 marks nothing. Precondition: `pixels` has the size of
+/// `rect`, whose x and y are not negative. Reentrant.
 void add_watermark(std::uint64_t key, const PixelRect& rect, RgbImage* pixels, const WatermarkStrength& strength = {});
 
 }  // namespace cyclorama

@@ -10,8 +10,8 @@ namespace cyclorama {
 namespace {
 
 constexpr int kPeriod = kWatermarkPeriodCells;
-/// Limits the weight of an edge in the picture against the many cells that show the mark. `cyclorama-bench-render
-/// watermark --curve` finds less evidence with 2 and with 4.
+/// Limit of a cell's difference, so that an edge in the picture does not outweigh the many cells that show the mark.
+/// `cyclorama-bench-render watermark --curve` finds less evidence with 2 and with 4.
 constexpr float kClipCodes = 3.0f;
 using Pattern = std::array<std::int8_t, static_cast<std::size_t>(kPeriod) * kPeriod>;
 
@@ -45,7 +45,7 @@ Image<float, 1> cell_means(const RgbImage& picture, int x0, int y0, int cell_px)
   return means;
 }
 
-/// Returns a cell's difference from the mean of the eight around it.
+/// Returns a cell's difference from the mean of the eight cells around it, clipped.
 float residual(const Image<float, 1>& means, int x, int y) {
   float around = -*means.at(x, y);
   for (int j = -1; j <= 1; ++j) {
@@ -89,7 +89,7 @@ double WatermarkDetector::score(std::uint64_t key) const {
 
 WatermarkFind WatermarkDetector::search(std::uint64_t key) const {
   const Pattern pattern = pattern_of(key, sparseness_);
-  // Stored twice side by side, so that a shifted row is contiguous in memory.
+  // The pattern, stored twice side by side, so that a shifted row is contiguous in memory.
   std::array<float, static_cast<std::size_t>(2) * kPeriod * kPeriod> wide{};
   for (int y = 0; y < kPeriod; ++y) {
     for (int x = 0; x < 2 * kPeriod; ++x) {
@@ -108,7 +108,7 @@ WatermarkFind WatermarkDetector::search(std::uint64_t key) const {
       const double scale = 1.0 / std::sqrt(share * variance);
       for (int dy = 0; dy < kPeriod; ++dy) {
         for (int dx = 0; dx < kPeriod; ++dx) {
-          std::array<float, 16> sums{};  // Independent sums, so that they are added as vectors.
+          std::array<float, 16> sums{};  // Independent sums, so that the compiler adds them as vectors.
           for (int y = 0; y < kPeriod; ++y) {
             const float* const signs = wide.data() + (y + dy) % kPeriod * 2 * kPeriod + dx;
             const float* const values = fold.data() + y * kPeriod;

@@ -10,27 +10,28 @@
 
 namespace cyclorama {
 
-/// Evidence that a picture bears a key's mark: the correlation with the key's signs, divided by its standard deviation.
-/// For a key that was not used in the picture it is normally distributed with deviation 1, whatever the picture shows.
+/// Evidence that a picture has a key's mark: the correlation with the key's signs, divided by its standard deviation.
+/// For a key that was not used in the picture, it is normally distributed with deviation 1, whatever the picture shows.
 struct WatermarkFind {
   double score = 0.0;
-  int x_px = 0;  ///< Position of the picture's upper left corner in the period; 0 if the picture was not cropped.
+  int x_px = 0;  ///< Position of the picture's upper left corner within a period; 0 if the picture was not cropped.
   int y_px = 0;
 };
 
-/// Exceeds the chance maximum over 2^16 positions and a few hundred keys in all but one of a million pictures.
+/// Score from which a mark counts as certain: in all but one of a million unmarked pictures, it exceeds the maximum
+/// over 2^16 positions and a few hundred keys.
 inline constexpr double kWatermarkCertain = 8.0;
 
-/// Looks for many keys in one picture. Thread-bound.
+/// Searches one picture for many keys. Thread-bound.
 class WatermarkDetector {
  public:
   /// `cell_px` is the size of a cell in this picture: kWatermarkCellPx unless it was scaled; 1 to 8.
   explicit WatermarkDetector(const RgbImage& picture, int cell_px = kWatermarkCellPx,
                              int sparseness = WatermarkStrength{}.sparseness);
 
-  /// Score at position 0, for a picture that was not cropped.
+  /// Returns the score at position 0, for a picture that was not cropped.
   [[nodiscard]] double score(std::uint64_t key) const;
-  /// Best of all 2^16 positions, of which one reaches about 4.5 by chance. Takes tenths of a second.
+  /// Returns the best of all 2^16 positions, of which one reaches about 4.5 by chance. Takes tenths of a second.
   [[nodiscard]] WatermarkFind search(std::uint64_t key) const;
 
  private:
@@ -43,7 +44,7 @@ class WatermarkDetector {
 
   int cell_px_;
   int sparseness_;
-  std::vector<Fold> folds_;  ///< One for each position of the corner within a cell.
+  std::vector<Fold> folds_;  ///< One for each position of the picture's corner within a cell.
 };
 
 /// Returns WatermarkDetector::score() of a picture that is neither scaled nor cropped. Reentrant.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// WebP by libwebp: textures of scenes.
+/// WebP with libwebp: textures of scenes.
 #pragma once
 
 #include <cstddef>

@@ -12,15 +12,15 @@
 
 namespace cyclorama {
 
-/// JSON, read strictly like the settings (common/config): reading continues after a mistake with a harmless value, so
-/// that code reads like data, and Mistakes keeps the first one with its position. Keys that were never requested are
-/// mistakes. Borrows the document and the record of mistakes, which must outlive it. Thread-bound.
+/// Reads JSON strictly, like the settings (common/config): after a mistake, reading continues with a harmless value, so
+/// that code needs no branches, and Mistakes keeps the first mistake with its position. Keys that were never requested
+/// are mistakes. Borrows the document and the record of mistakes, which must outlive it. Thread-bound.
 class StrictJson {
  public:
   struct Mistakes {
-    /// `remedy` is appended to each mistake that names none: "calibrate again".
+    /// `remedy`, such as "calibrate again", is appended to each mistake that names none.
     explicit Mistakes(std::string its_remedy) : remedy(std::move(its_remedy)) {}
-    /// Returns kBadData with the first mistake, if there is one; `name` stands for the file.
+    /// Returns kBadData with the first mistake, if there is one; `name` stands for the file in errors.
     [[nodiscard]] Status status(const std::string& name) const;
 
     std::string remedy;
@@ -35,18 +35,19 @@ class StrictJson {
   int integer(const char* key, int min, int max) { return static_cast<int>(at(key).as_number(min, max, true)); }
   bool flag(const char* key);
   std::string text(const char* key, std::size_t longest = 4000) { return at(key).as_text(longest); }
-  /// Returns the elements of a list of `min` to `max` elements; none for anything else.
+  /// Returns the elements of a list of `min` to `max` elements. If the value is anything else, records a mistake and
+  /// returns an empty list.
   std::vector<StrictJson> list(const char* key, std::size_t min, std::size_t max) { return at(key).elements(min, max); }
   [[nodiscard]] std::vector<StrictJson> elements(std::size_t min, std::size_t max) const;
   std::vector<double> numbers(const char* key, std::size_t min, std::size_t max);
   [[nodiscard]] double as_number(double min, double max, bool is_whole = false) const;
   [[nodiscard]] std::string as_text(std::size_t longest = 4000) const;
 
-  /// Reads the key `version`. Another number than `version` is a mistake that names both.
+  /// Reads the key `version`. A number other than `version` is a mistake that names both.
   void require_version(int version);
-  /// Must be called after all keys have been requested.
+  /// Records a mistake for each key that was not requested. To be called after all keys were requested.
   void refuse_other_keys() const;
-  /// Records a mistake here, with its own remedy in `what`.
+  /// Records a mistake at this value. `what` includes the remedy.
   void refuse(const std::string& what) const;
 
  private:
@@ -60,7 +61,8 @@ class StrictJson {
   std::vector<std::string> requested_;
 };
 
-/// Errors: kBadData with the position if the text is not JSON; `name` stands for the file, `remedy` is appended.
+/// Parses a JSON document. Errors: kBadData with the position if the text is not JSON; `name` stands for the file,
+/// `remedy` is appended.
 Result<nlohmann::json> parse_document(std::string_view text, const std::string& name, std::string_view remedy);
 
 /// Returns an Eigen matrix as a list of its rows.

@@ -27,7 +27,7 @@ std::optional<WallTime> time_of(std::string_view text) {
   std::string error;
   if (!absl::ParseTime(kTime, std::string(text), &time, &error)) return std::nullopt;
   const absl::CivilDay day = absl::ToCivilDay(time, absl::UTCTimeZone());
-  if (day.year() < 2000 || day.year() > 2200) return std::nullopt;  // "infinite-future" parses as a time, too.
+  if (day.year() < 2000 || day.year() > 2200) return std::nullopt;  // "infinite-future" also parses as a time.
   return floor<seconds>(absl::ToChronoTime(time));
 }
 

@@ -16,7 +16,7 @@ constexpr std::array<std::string_view, 7> kWeekdays{"Mon", "Tue", "Wed", "Thu", 
 constexpr int kDay_min = 24 * 60;
 constexpr WallTime kEarliest{std::chrono::seconds(1767225600)};  // 2026-01-01.
 
-/// Keeps empty parts, which all callers reject.
+/// Splits a text. Keeps empty parts, which all callers reject.
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
   for (;;) {
@@ -27,7 +27,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
-/// Accepts digits only; parse_integer() accepts signs.
+/// Accepts digits only, unlike parse_integer(), which accepts signs.
 std::optional<int> number(std::string_view text, std::size_t digits) {
   const bool is_plain = text.size() == digits && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
   const auto value = is_plain ? parse_integer(text) : std::nullopt;
@@ -42,7 +42,7 @@ std::optional<absl::CivilDay> date(std::string_view text) {
   const auto day = number(parts[2], 2);
   if (!year || !month || !day) return std::nullopt;
   const absl::CivilDay civil(*year, *month, *day);
-  // absl turns 30 February into 2 March.
+  // absl would turn 30 February into 2 March.
   if (civil.month() != *month || civil.day() != *day) return std::nullopt;
   return civil;
 }
@@ -53,7 +53,7 @@ std::optional<std::size_t> weekday(std::string_view text) {
   return static_cast<std::size_t>(found - kWeekdays.begin());
 }
 
-/// Parses "Mon", "Tue-Sun", "Sat-Mon", "Mon,Wed-Fri"; nothing for other text.
+/// Parses texts such as "Mon", "Tue-Sun", "Sat-Mon" and "Mon,Wed-Fri"; empty for any other text.
 std::optional<std::array<bool, 7>> weekdays(std::string_view text) {
   std::array<bool, 7> named{};
   for (const std::string_view range : split(text, ',')) {

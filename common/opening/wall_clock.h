@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Civil time, as far as it is known. A computer with an empty clock battery starts with a time long ago, which its
-/// software replaces with the newest time that it has recorded; until a time server has answered, that time must not
-/// open, close or restart anything. The appliance's image creates the file `lost` if its hardware clock shows a time
-/// before the image was made.
+/// Civil time, as far as it is known. A computer with an empty clock battery starts with a time in the distant past,
+/// which its software replaces with the newest time that it has recorded. Until a time server has answered, that time
+/// must not open, close or restart anything. The appliance's image creates the file `lost` if its hardware clock shows
+/// a time before the image was made.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ struct ClockMarks {
   std::filesystem::path synchronized = "/run/systemd/timesync/synchronized";  ///< Created by systemd-timesyncd.
 };
 
-/// Returns `now`, or a time in 1970 while the clock is lost, for which OpeningHours is open and no update is due.
+/// Returns `now` or, while the clock is lost, a time in 1970, at which OpeningHours is open and no update is due.
 /// Thread-safe.
 [[nodiscard]] WallTime wall_time(WallTime now, const ClockMarks& marks = {});
 

@@ -22,7 +22,7 @@ extern char** environ;
 namespace cyclorama {
 namespace {
 
-/// Initial state of the child: signals that are blocked in this process must not be blocked in the child.
+/// Plan for the child's initial state. Signals that are blocked in this process must not be blocked in the child.
 class SpawnPlan {
  public:
   explicit SpawnPlan(int output) {
@@ -37,7 +37,7 @@ class SpawnPlan {
     sigfillset(&all);
     posix_spawnattr_setsigmask(&attributes_, &none);
     posix_spawnattr_setsigdefault(&attributes_, &all);
-    // A process group of its own, so that the child's own children end with it.
+    // A process group of its own, so that processes that the child started are killed with it.
     posix_spawnattr_setpgroup(&attributes_, 0);
     posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   }
@@ -79,7 +79,7 @@ bool read_until(int fd, TimePoint deadline, std::size_t max_bytes, ChildEnd* ret
   }
 }
 
-/// Waits for the child's end, since a program may close its output and continue; returns false at the deadline.
+/// Waits for the child's end, since a program may close its output and continue. Returns false at the deadline.
 bool reaped(pid_t pid, TimePoint deadline, int* ret_status) {
   for (;;) {
     const pid_t ended = ::waitpid(pid, ret_status, WNOHANG);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Another program, run to its end, with limits on its time and its output.
+/// Runs another program to its end, with limits on its time and its output.
 #pragma once
 
 #include <string>

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <sys/uio.h>
-#define SD_JOURNAL_SUPPRESS_LOCATION  // The location would be this file for every entry.
+#define SD_JOURNAL_SUPPRESS_LOCATION  // Otherwise, every entry would name this file as its location.
 #include <systemd/sd-journal.h>
 #include <unistd.h>
 
@@ -22,7 +22,7 @@ constexpr std::size_t kMaxLineBytes = 2000;
 constexpr std::size_t kMaxFieldBytes = 200;
 std::atomic<int> min_level{static_cast<int>(LogLevel::kInfo)};
 
-/// Returns true if standard error is the journal's stream, whose device and inode systemd passes.
+/// True if standard error is the journal's stream, whose device and inode systemd passes.
 bool is_journal() {
   static const bool answer = [] {
     const char* const stream = std::getenv("JOURNAL_STREAM");  // NOLINT(concurrency-mt-unsafe): never set later.
@@ -33,7 +33,7 @@ bool is_journal() {
   return answer;
 }
 
-/// Returns false if the journal accepts no entries of its native form.
+/// Sends an entry in the journal's native form. Returns false if the journal does not accept it.
 bool send_to_journal(LogLevel level, const std::string& text, std::span<const LogField> fields) {
   std::vector<std::string> entry{"MESSAGE=" + text, fmt::format("PRIORITY={}", static_cast<int>(level))};
   for (const LogField& field : fields) {

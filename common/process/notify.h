@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sd_notify(3): ready, status, watchdog, stopping. Without systemd, every call does nothing.
+/// sd_notify(3): ready, status, watchdog, stopping. Without systemd, no call has any effect.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace cyclorama {
 
-/// Thread-bound to the main loop. Call keep_alive() whenever the process has just proved that it works.
+/// Reports the state of the process to systemd. keep_alive() is to be called whenever the process has just proved that
+/// it works. Thread-bound to the main loop.
 class Notify {
  public:
   Notify();
@@ -17,7 +18,7 @@ class Notify {
   void starting(Duration wait);
   void status(const std::string& sentence);
   void stopping();
-  /// Notifies the watchdog, at most twice per watchdog period at any rate of calls.
+  /// Notifies the watchdog, at most twice per watchdog period, however often it is called.
   void keep_alive(TimePoint now);
 
  private:

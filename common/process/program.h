@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The common behaviour of all programs: --help, --version, exit codes, one clear error.
+/// The common behaviour of all programs: --help, --version, exit codes, and one clear error.
 ///
 ///   int main(int argc, char** argv) {
 ///     Program program("cyclorama-tour", "Leads the visit: requests pictures, feeds the displays.");
@@ -22,7 +22,7 @@ inline constexpr int kExitOk = 0;
 inline constexpr int kExitFailed = 1;  ///< The task failed; the last line gives the reason.
 inline constexpr int kExitUsage = 2;   ///< The command line is wrong.
 
-/// Thread-bound to the main thread.
+/// A program with its command line. Thread-bound to the main thread.
 class Program {
  public:
   Program(const std::string& name, const std::string& about);
@@ -37,7 +37,7 @@ class Program {
   std::string name_;
 };
 
-/// Makes `old_name` an option that only names `new_name`, which replaced it. It does not show in --help.
+/// Makes `old_name` an option that only refers to `new_name`, which replaced it. It does not appear in --help.
 void add_renamed_option(CLI::App& app, const std::string& old_name, const std::string& new_name);
 
 }  // namespace cyclorama

@@ -33,7 +33,7 @@ void Progress::update(double fraction) {
   if (terminal_) {
     if (fraction < 1.0 && now - drawn_at_ < kRedraw) return;
     const int full = static_cast<int>(std::lround(fraction * kBarWidth));
-    // Clears the rest of a longer line printed before.
+    // Clears what remains of a longer line printed before.
     fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {:3.0f} %\x1b[K", what_, "", full, "", kBarWidth - full,
                100.0 * fraction);
     std::fflush(stderr);

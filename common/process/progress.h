@@ -15,7 +15,7 @@ class Progress {
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  /// Sets the current step; a plain line follows with the next update.
+  /// Sets the current step; on a plain output, its line follows with the next update.
   void set_step(const std::string& what);
   /// `fraction` is in [0, 1] and never decreases.
   void update(double fraction);

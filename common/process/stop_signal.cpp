@@ -24,7 +24,7 @@ StopSignal::StopSignal() {
 }
 
 bool StopSignal::wait_until(TimePoint deadline) const {
-  // The signal is never read from the descriptor, which therefore stays readable for good.
+  // The signal is never read from the descriptor, which therefore stays readable.
   for (;;) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - SteadyClock().now());
     const auto timeout_ms = std::clamp<std::int64_t>(left.count(), 0, 1'000'000);

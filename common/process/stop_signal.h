@@ -6,12 +6,12 @@
 
 namespace cyclorama {
 
-/// SIGTERM and SIGINT as a value that a loop can wait for. Construct it first in main, before any thread starts: it
-/// blocks the signals in all threads, and ignores SIGPIPE. Thread-safe after construction.
+/// SIGTERM and SIGINT as a value for which a loop can wait. To be constructed first in main, before any thread starts:
+/// it blocks the signals in all threads, and ignores SIGPIPE. Thread-safe after construction.
 class StopSignal {
  public:
   StopSignal();
-  /// Waits until `deadline` for a request to stop; returns true once there was one.
+  /// Waits until `deadline` for a request to stop. Returns true once there was one.
   [[nodiscard]] bool wait_until(TimePoint deadline) const;
   [[nodiscard]] bool requested() const { return wait_until(TimePoint{}); }
   /// Descriptor for poll(); readable once a stop was requested.

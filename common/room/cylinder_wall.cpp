@@ -19,7 +19,8 @@ std::optional<Point<frame::Room>> CylinderWall::hit(const RoomRay& ray) const {
   const double c = ox * ox + oz * oz - radius_m * radius_m;
   const double discriminant = half_b * half_b - a * c;
   if (!(a > 0.0) || !(discriminant >= 0.0)) return std::nullopt;
-  // The stable pair of roots (Numerical Recipes 5.6): no difference of nearly equal numbers.
+  // Computes the roots in the numerically stable way (Numerical Recipes 5.6), without differences of nearly equal
+  // numbers.
   const double q = -(half_b + std::copysign(std::sqrt(discriminant), half_b));
   double nearer = q / a;
   double farther = q != 0.0 ? c / q : nearer;

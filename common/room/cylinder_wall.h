@@ -8,8 +8,8 @@
 
 namespace cyclorama {
 
-/// An upright piece of a cylinder, seen from inside: the axis is vertical through (centre_x, centre_z), the middle of
-/// the arc lies towards -z (in front of the visitor). wall_parts.h describes the members.
+/// An upright piece of a cylinder, seen from inside: the axis is vertical through (centre_x, centre_z), and the middle
+/// of the arc lies towards -z (in front of the visitor). wall_parts.h describes the common members.
 struct CylinderWall {
   double radius_m = 0.0;
   double arc_rad = 0.0;   ///< Whole arc, at most 2 pi.
@@ -26,7 +26,8 @@ struct CylinderWall {
   [[nodiscard]] bool is_lit_from(const Point<frame::Room>& point) const;
   [[nodiscard]] bool can_self_shadow() const { return false; }
 
-  /// Angle along the arc from its middle, positive to the visitor's right, of a point on (or near) the wall.
+  /// Returns the angle along the arc from its middle, positive to the visitor's right, of a point on (or near) the
+  /// wall.
   [[nodiscard]] double arc_angle_of(const Point<frame::Room>& point) const;
   [[nodiscard]] Point<frame::Room> point_at(double arc_angle, double height_m) const;
 };

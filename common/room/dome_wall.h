@@ -9,7 +9,7 @@
 namespace cyclorama {
 
 /// A cap of a sphere, seen from inside. Its axis is tilted upwards from the horizon ahead (-z): by a quarter turn in a
-/// planetarium, by less in a tilted dome. wall_parts.h describes the members.
+/// planetarium, by less in a tilted dome. wall_parts.h describes the common members.
 struct DomeWall {
   Point<frame::Room> centre;
   double radius_m = 0.0;
@@ -25,7 +25,7 @@ struct DomeWall {
   [[nodiscard]] bool can_self_shadow() const { return false; }
 
   [[nodiscard]] Eigen::Vector3d axis() const;
-  /// Returns the point at an angle from the axis, turned about the axis by `around_rad` from the right.
+  /// Returns the point at an angle from the axis, in the direction `around_rad` about the axis, counted from the right.
   [[nodiscard]] Point<frame::Room> point_at(double from_axis_rad, double around_rad) const;
 };
 

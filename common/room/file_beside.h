@@ -7,7 +7,7 @@
 
 namespace cyclorama {
 
-/// Returns the path of the file that a key names in the installation's folder. Empty if the key is absent or names a
+/// Returns the path of a file that a key names, in the installation's folder. Empty if the key is absent or names a
 /// file elsewhere, which is refused.
 inline std::filesystem::path file_beside(ConfigTable* table, const char* key, const std::filesystem::path& folder) {
   const std::filesystem::path file = table->text(key);

@@ -21,14 +21,15 @@ constexpr Range kAngles{-360.0, 360.0};
 
 Point<frame::Room> point_of(const std::vector<double>& xyz) { return {Eigen::Vector3d(xyz[0], xyz[1], xyz[2])}; }
 
-/// Pan to the right, then tilt upwards, then roll clockwise as seen from behind; at zero the lens looks along -z.
+/// Returns a pan to the right, then a tilt upwards, then a roll clockwise as seen from behind; at zero the lens looks
+/// along -z.
 Eigen::Quaterniond aimed(double pan_rad, double tilt_rad, double roll_rad) {
   const Eigen::Quaterniond looking_ahead(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
   return Eigen::AngleAxisd(-pan_rad, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitX()) *
          looking_ahead * Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ());
 }
 
-/// Error text for a projector or eye at an impossible position.
+/// Returns the error text for a projector or eye at an impossible position.
 const char* wrong_side(const Wall& wall) {
   if (std::holds_alternative<CylinderWall>(wall)) return "is outside the wall; it must be inside its radius";
   if (std::holds_alternative<DomeWall>(wall)) return "is outside the dome; it must be inside its radius";
@@ -85,7 +86,7 @@ std::optional<InstalledStereo> read_stereo(ConfigTable* root) {
   return stereo;
 }
 
-/// Refuses an odd length of a side that two eyes share.
+/// Refuses an odd length of the side that is divided between two eyes.
 void refuse_odd_sides(const std::optional<InstalledStereo>& stereo, const Pinhole& lens, ConfigTable* projector) {
   if (!stereo) return;
   const char* const what = "must be even: with this [stereo] packing two eyes share it";

@@ -13,7 +13,7 @@
 namespace cyclorama {
 namespace {
 
-/// Smaller folds are resolved by fine cells.
+/// Minimum angle of a crease; fine cells approximate smaller folds.
 constexpr double kCrease = 10.0 * std::numbers::pi / 180.0;
 constexpr std::size_t kOutlinePoints = 16384;
 
@@ -23,7 +23,7 @@ Point<frame::Room> between(const TriangleCorners& t, double b, double c) {
   return {(1.0 - b - c) * t[0] + b * t[1] + c * t[2]};
 }
 
-/// Returns the number of pieces per side that makes each piece about as large as `area_each`.
+/// Returns the number of pieces per side that gives each piece an area of about `area_each`.
 int pieces(const TriangleCorners& t, double area_each) {
   return std::clamp(static_cast<int>(std::ceil(std::sqrt(0.5 * doubled_area(t).norm() / area_each))), 1, 256);
 }
@@ -43,7 +43,7 @@ struct MeshWall::Surface {
   struct Rim {
     Eigen::Vector3d a;
     Eigen::Vector3d b;
-    Eigen::Vector3d normal;  ///< Unit normal of its triangle.
+    Eigen::Vector3d normal;  ///< Unit normal of the edge's triangle.
   };
   std::vector<Rim> rim;
 };
@@ -109,7 +109,7 @@ std::vector<WallPatch> MeshWall::patches(std::size_t about) const {
     const Eigen::Vector3d twice = doubled_area(t);
     const int n = pieces(t, each);
     for (int j = 0; j < n; ++j) {
-      // A row of upright triangles with inverted ones between them.
+      // A row of upright triangles with inverted triangles between them.
       for (int i = 0; i < 2 * (n - j) - 1; ++i) {
         const double lift = i % 2 == 0 ? 1.0 / 3.0 : 2.0 / 3.0;
         patches.push_back(

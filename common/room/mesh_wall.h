@@ -15,15 +15,15 @@
 namespace cyclorama {
 
 /// A free-form wall of triangles, whose corners run counter-clockwise as seen from the lit side. Beyond its rim it
-/// continues in the plane of the rim's nearest triangle. Copies share the triangles. wall_parts.h describes the
-/// members. A ray takes about a microsecond for 10 000 triangles; a ray beyond the rim takes time proportional to the
+/// continues in the plane of the rim's nearest triangle. Copies share the triangles. wall_parts.h describes the common
+/// members. With 10 000 triangles, a ray takes about a microsecond; a ray beyond the rim takes time proportional to the
 /// number of rim edges.
 class MeshWall {
  public:
   /// Reads an OBJ file's text, in metres of the Room frame, with faces of three or more corners. Texture coordinates
   /// and normals must be valid but are not used. Errors: kBadData "line 7: ..." for a number that is invalid, not
-  /// finite or beyond 100 m; for a face without area, with missing corners or with the opposite winding of its
-  /// neighbour; and for no face at all or more than 2 million triangles.
+  /// finite or beyond 100 m; for a face that has no area, lacks corners or is wound opposite to its neighbour; and for
+  /// no face at all or more than 2 million triangles.
   static Result<MeshWall> read(std::string_view obj_text);
 
   [[nodiscard]] std::optional<Point<frame::Room>> hit(const RoomRay& ray) const;

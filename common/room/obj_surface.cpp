@@ -25,7 +25,7 @@ constexpr double kMinArea_m2 = 1e-12;  // A square micrometre; smaller triangles
 /// Statements that do not affect the surface's shape.
 constexpr std::string_view kPassedOver[] = {"vn", "g", "o", "s", "usemtl", "mtllib", "usemap", "maplib", "p", "l"};
 
-/// State while one file is read.
+/// Reads one file.
 class Reader {
  public:
   explicit Reader(std::string_view text) : statements_(text) {}
@@ -54,7 +54,7 @@ class Reader {
     return Error(ErrorCode::kBadData, fmt::format("line {}: {}", statements_.line(), what));
   }
 
-  /// Parses at least `min` numbers, each a whole word and finite.
+  /// Parses at least `min` numbers, each of which is a whole word and finite.
   Result<std::vector<double>> numbers(std::string_view rest, std::size_t min) const {
     std::vector<double> values;
     for (std::string_view word = next_word(&rest); !word.empty(); word = next_word(&rest)) {
@@ -76,7 +76,7 @@ class Reader {
       return refuse(fmt::format("({}, {}, {}) is farther than {} m from the room's origin; the file is in metres", n[0],
                                 n[1], n[2], kMaxDistanceM));
     }
-    // Programs write a corner once for each of its normals; the surface stores it once.
+    // Programs write a corner once for each of its normals; the surface stores each position once.
     const auto known = ids_.emplace(std::array{n[0], n[1], n[2]}, surface_.positions.size());
     if (known.second) surface_.positions.push_back(place);
     positions_.push_back(static_cast<std::uint32_t>(known.first->second));

@@ -16,9 +16,10 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 // The limit of validate(); a very narrow and high wall gets pixels that are not square.
 constexpr int kMaxSidePx = 16384;
-/// A wall this close to a full turn counts as one, since its outline is known only at points.
+/// Tolerance in radians within which a wall counts as a full turn, since its outline is known only at points.
 constexpr double kSlit = 0.1;
-/// Tangent of 75 degrees, where a pixel of a flat picture covers a fifteenth of the angle of one in its middle.
+/// Tangent of 75 degrees, where a pixel of a flat picture covers a fifteenth of the angle that a pixel in the middle
+/// covers.
 constexpr double kSteepest = 3.732;
 constexpr double kNearest_m = 1e-3;
 /// Pixels beyond the edge of a fisheye's circle, needed for interpolation at the edge.
@@ -33,7 +34,7 @@ std::vector<Eigen::Vector3d> directions_of(const Installation& room) {
 
 int rows(double px) { return static_cast<int>(std::clamp(std::round(px), 1.0, double{kMaxSidePx})); }
 
-/// Returns nothing if the plane extends too far to the side.
+/// Returns the picture on the plane; empty if the plane extends too far to the side.
 std::optional<Perspective> perspective_of(const WallRectangle& plane, const std::vector<Eigen::Vector3d>& directions,
                                           int width_px) {
   Perspective picture;

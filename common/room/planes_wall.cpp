@@ -16,7 +16,7 @@ constexpr double kSeam_m = 1e-9;       // Tolerance, so that rounding leaves no 
 struct PlaneHit {
   double along;  ///< In units of the ray's direction.
   Eigen::Vector3d point;
-  double outside_m;  ///< Distance from the rectangle; 0 on it.
+  double outside_m;  ///< Distance of the point from the rectangle; 0 inside it.
 };
 
 std::optional<PlaneHit> meet(const WallRectangle& r, const RoomRay& ray) {
@@ -108,7 +108,7 @@ std::vector<WallPatch> PlanesWall::patches(std::size_t about) const {
 }
 
 std::vector<Point<frame::Room>> PlanesWall::outline() const {
-  // Includes the interior, since a rectangle overhead is highest in its middle.
+  // Includes points inside the rectangles, since a rectangle overhead is highest in its middle.
   constexpr int kSteps = 64;
   std::vector<Point<frame::Room>> points;
   for (const WallRectangle& r : rectangles) {

@@ -19,12 +19,14 @@ struct WallRectangle {
   /// Returns the rectangle that faces a viewer who looks `pan_rad` to the right of -z and then `tilt_rad` upwards.
   static WallRectangle facing(const Point<frame::Room>& middle, double pan_rad, double tilt_rad, double width_m,
                               double height_m);
-  /// Returns an upright rectangle above a line on the floor, from its left to its right end as seen from the lit side.
+  /// Returns an upright rectangle above a line on the floor. The line runs from left to right as seen from the lit
+  /// side.
   static WallRectangle above(const Eigen::Vector2d& left_xz, const Eigen::Vector2d& right_xz, double bottom_m,
                              double top_m);
 
   [[nodiscard]] Eigen::Vector3d normal() const { return right.cross(up); }
-  /// `across` and `along` are in [-1, 1], from the left to the right and from the lower to the upper edge.
+  /// Returns a point of the rectangle. `across` and `along` are in [-1, 1], from the left to the right and from the
+  /// lower to the upper edge.
   [[nodiscard]] Point<frame::Room> point_at(double across, double along) const {
     return {middle.xyz + 0.5 * width_m * across * right + 0.5 * height_m * along * up};
   }
@@ -32,7 +34,7 @@ struct WallRectangle {
 };
 
 /// One flat screen, or several that meet in corners. Beyond its edges the wall continues in the plane of the nearest
-/// rectangle, so that corners continue upwards and downwards. wall_parts.h describes the members.
+/// rectangle, so that corners continue upwards and downwards. wall_parts.h describes the common members.
 struct PlanesWall {
   std::vector<WallRectangle> rectangles;
 

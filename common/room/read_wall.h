@@ -9,8 +9,8 @@
 
 namespace cyclorama {
 
-/// Reads the [wall] table of an installation.toml, of any shape; mistakes are recorded in the table. A mesh's file must
-/// be in `folder`. Returns nothing if the mistakes leave no wall.
+/// Reads the [wall] table of an installation.toml, for a wall of any shape; mistakes are recorded in the table. A
+/// mesh's file must be in `folder`. Empty if the mistakes leave no wall.
 std::optional<Wall> read_wall(ConfigTable table, const std::filesystem::path& folder);
 
 }  // namespace cyclorama

@@ -2,14 +2,14 @@
 /// Packing of the pictures of two eyes on a head.
 ///
 ///     side-by-side          top-bottom            frame-sequential
-///     ┌──────┬──────┐       ┌─────────────┐       ┌─────────────┐  refreshes with an even number show the left eye's,
-///     │ left │ right│       │    left     │       │left / right │  those with an odd number the right eye's
+///     ┌──────┬──────┐       ┌─────────────┐       ┌─────────────┐  refreshes with an even number show the left eye's
+///     │ left │ right│       │    left     │       │left / right │  picture, those with an odd number the right eye's
 ///     │  eye │  eye │       ├─────────────┤       │             │
 ///     └──────┴──────┘       │    right    │       └─────────────┘
 ///                           └─────────────┘
 ///
-/// The projector stretches each eye's part over its whole field: side by side, pixels become twice as wide; one above
-/// the other, twice as high.
+/// The projector stretches each eye's part over its whole field: in side-by-side packing, pixels become twice as wide;
+/// in top-bottom packing, twice as high.
 #pragma once
 
 #include <cstdint>
@@ -36,11 +36,11 @@ struct HeadPart {
   friend bool operator==(const HeadPart&, const HeadPart&) = default;
 };
 
-/// Returns the part of a head of that size that shows an eye's picture. Precondition: a side that both eyes share is
-/// even.
+/// Returns the part of a head of that size that shows an eye's picture. Precondition: the side that is divided between
+/// the eyes is even.
 [[nodiscard]] HeadPart part_of_eye(StereoPacking packing, Eye eye, int width_px, int height_px);
 
-/// Returns the lens of the pixels that one eye receives. Precondition: as part_of_eye().
+/// Returns the lens of the pixels that one eye receives. Precondition: that of part_of_eye().
 [[nodiscard]] Pinhole lens_of_eye(const Pinhole& lens, StereoPacking packing);
 
 /// Returns the eye that a frame-sequential head shows at a refresh.

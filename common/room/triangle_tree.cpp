@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kMaxLeafTriangles = 4;
 constexpr double kMinDistance = 1e-9;  // In units of the direction; excludes the ray's origin.
-// Relative to a triangle's size, so that rounding leaves no gap between neighbours.
+// Tolerance relative to a triangle's size, so that rounding leaves no gap between neighbours.
 constexpr double kSeam = 1e-9;
 constexpr std::size_t kDeepest = 64;
 
@@ -34,7 +34,7 @@ std::optional<double> meet(const TriangleCorners& t, const Eigen::Vector3d& orig
   return along;
 }
 
-/// Returns true if a ray enters a box before `farthest`.
+/// True if a ray enters a box before `farthest`.
 bool enters(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& origin, const Eigen::Vector3d& inverse,
             double farthest) {
   double near = 0.0;
@@ -65,7 +65,7 @@ void TriangleTree::build(std::uint32_t first, std::uint32_t end) {
     for (const Eigen::Vector3d& corner : t) nodes_[index].box.extend(corner);
     middles.extend(t[0] + t[1] + t[2]);
   }
-  // A tolerance for rounding, so that rays also enter flat boxes.
+  // Adds a tolerance for rounding, so that rays also enter flat boxes.
   const Eigen::Vector3d margin = Eigen::Vector3d::Constant(1e-9 * (1.0 + nodes_[index].box.sizes().maxCoeff()));
   nodes_[index].box.min() -= margin;
   nodes_[index].box.max() += margin;

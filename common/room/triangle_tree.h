@@ -13,7 +13,7 @@ namespace cyclorama {
 
 using TriangleCorners = std::array<Eigen::Vector3d, 3>;
 
-/// Triangles in a tree of bounding boxes, split at the median, to find a ray's first hit. In double. A value;
+/// Triangles in a tree of bounding boxes, split at the median, to find a ray's first hit. Computes in double. A value;
 /// reentrant.
 class TriangleTree {
  public:
@@ -22,17 +22,18 @@ class TriangleTree {
 
   struct Hit {
     std::size_t triangle = 0;
-    double along = 0.0;  ///< In units of the ray's direction.
+    double along = 0.0;  ///< Distance in units of the ray's direction.
   };
-  /// Returns the first triangle hit from the side on which its corners run counter-clockwise. Neighbours leave no gap.
+  /// Returns the first triangle that the ray hits from the side on which its corners run counter-clockwise. There are
+  /// no gaps between neighbours.
   [[nodiscard]] std::optional<Hit> hit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
   [[nodiscard]] std::span<const TriangleCorners> triangles() const { return triangles_; }
 
  private:
   struct Node {
     Eigen::AlignedBox3d box;
-    /// Leaf: index of its first triangle in order_. Inner node (count 0): index of its second child; the first child
-    /// is the next node.
+    /// Leaf: index of its first triangle in order_. Inner node (count 0): index of its second child; its first child is
+    /// the next node.
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };

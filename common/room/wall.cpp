@@ -3,7 +3,7 @@
 
 namespace cyclorama {
 namespace {
-constexpr double kSamePlace_m = 1e-4;  // Tolerance for a point hit from two sides, even at grazing angles.
+constexpr double kSamePlace_m = 1e-4;  // Tolerance for a point hit from two sides, also at grazing angles.
 }
 
 std::optional<Point<frame::Room>> hit(const Wall& wall, const RoomRay& ray) {

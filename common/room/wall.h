@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The surface that the picture is projected on, of any kind; wall_parts.h describes its members. Reentrant.
+/// The surface that the picture is projected on, of any kind; wall_parts.h describes these functions. Reentrant.
 #pragma once
 
 #include <optional>
@@ -22,8 +22,8 @@ using Wall = std::variant<CylinderWall, PlanesWall, DomeWall, MeshWall>;
 [[nodiscard]] std::vector<WallEdge> creases(const Wall& wall);
 [[nodiscard]] bool is_lit_from(const Wall& wall, const Point<frame::Room>& point);
 
-/// Returns true if light from `source` reaches a point of the wall: no other part of the wall is between them, and the
-/// light does not come from behind.
+/// True if light from `source` reaches a point of the wall: no other part of the wall is in between, and the light does
+/// not come from behind.
 [[nodiscard]] bool is_reached(const Wall& wall, const Point<frame::Room>& point, const Point<frame::Room>& source);
 
 }  // namespace cyclorama

@@ -2,12 +2,12 @@
 /// Members that all kinds of walls have in common. Each kind is a value, reentrant, in the Room frame:
 ///
 ///   hit(ray)            first point at which a ray meets the lit side, or nothing
-///   hit_extended(ray)   the same for the wall continued beyond its edges, so that nothing jumps there
+///   hit_extended(ray)   same for the wall continued beyond its edges, so that nothing jumps there
 ///   patches(about)      the wall in about that many pieces of about the same area
 ///   outline()           points that bound all directions in which the wall is seen, from any position
-///   creases()           edges at which it has no tangent plane, the sharpest first
-///   is_lit_from(point)  true if more of its lit side than of its back is visible from there
-///   can_self_shadow()   true if a part of the wall can hide another from a projector
+///   creases()           edges at which the wall has no tangent plane, the sharpest first
+///   is_lit_from(point)  true if more of the wall's lit side than of its back is visible from the point
+///   can_self_shadow()   true if a part of the wall can hide another part from a projector
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@
 
 namespace cyclorama {
 
-/// A half-line in the room; `direction` has any non-zero length.
+/// A half-line in the room; `direction` has any length other than zero.
 struct RoomRay {
   Point<frame::Room> origin;
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();

@@ -17,7 +17,7 @@ constexpr std::array<std::string_view, 3> kEnds{".efi", ".root.raw", ".verity.ra
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_hexadecimal(char c) { return is_digit(c) || (c >= 'a' && c <= 'f'); }
 
-/// Removes the first number and its dot from `left`; returns the number without leading zeros.
+/// Removes the first number and the dot after it from `left`. Returns the number without leading zeros.
 std::string_view take_number(std::string_view* left) {
   const std::size_t end = std::min(left->find('.'), left->size());
   std::string_view number = left->substr(0, end);
@@ -26,7 +26,7 @@ std::string_view take_number(std::string_view* left) {
   return number;
 }
 
-/// Returns the version in "IMAGE_VERSION.efi" or "IMAGE_VERSION_UUID.root.raw"; empty for another name.
+/// Returns the version in a name such as "IMAGE_VERSION.efi" or "IMAGE_VERSION_UUID.root.raw"; empty for another name.
 std::string_view version_in(std::string_view name, std::string_view image, std::size_t kind) {
   if (!name.starts_with(image) || !name.ends_with(kEnds[kind])) return {};
   name.remove_prefix(image.size());

@@ -24,7 +24,7 @@ Wand standard_wand(int number, const FoldedCard& card) {
   Wand wand{fmt::format("wand {}", number), {}};
   const double half_panel = 0.5 * card.panel_width_m;
   const double half_tag = 0.5 * card.tag_size_m;
-  // Centre of all tags: two of the three are behind the middle panel, by half of the lid's depth.
+  // The centre of all tags: two of the three tags are behind the middle panel, by half of the lid's depth.
   const double middle_z = -card.lid_depth_m() / 3.0;
   for (int panel = 0; panel < kPanels; ++panel) {
     const int side = panel - 1;

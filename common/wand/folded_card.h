@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The standard wand: one sheet of stiff paper, cut out, folded and glued. It has three panels with a tag each; the
-/// shape of the upper and lower lids fixes the angle of the side panels, whoever folds it.
+/// shape of the upper and lower lids fixes the angle of the side panels, however the sheet is folded.
 ///
 ///          ╲▔▔▔▔▔▔▔▔▔▔▔▔▔▔▔╱               seen from above, folded:
 ///           ╲     lid     ╱
@@ -31,11 +31,11 @@ struct FoldedCard {
 
 /// Panels from left to right, as seen from the front.
 inline constexpr int kPanels = 3;
-/// Number of different cards; tag36h11 has 587 tags.
+/// Number of different cards: tag36h11 has 587 tags.
 inline constexpr int kStandardWands = 587 / kPanels;
 
-/// Returns the wand folded from card `number`: tags 3 number, 3 number + 1, 3 number + 2 from left to right.
-/// Precondition: number is 0 to kStandardWands - 1.
+/// Returns the wand folded from card `number`, with the tags 3 number, 3 number + 1 and 3 number + 2 from left to
+/// right. Precondition: `number` is 0 to kStandardWands - 1.
 [[nodiscard]] Wand standard_wand(int number, const FoldedCard& card = {});
 
 }  // namespace cyclorama

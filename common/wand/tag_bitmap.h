@@ -16,7 +16,7 @@ struct TagBitmap {
 
 inline constexpr int kBitmaps = 587;
 
-/// Precondition: id is 0 to kBitmaps - 1.
+/// Returns the picture of a tag. Precondition: `id` is 0 to kBitmaps - 1.
 [[nodiscard]] TagBitmap tag_bitmap(int id);
 
 }  // namespace cyclorama

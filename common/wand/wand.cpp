@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 constexpr std::size_t kMaxTags = 32;
 /// Upper bound of tag ids: the largest of libapriltag's families has 48714 tags.
 constexpr double kLastId = 65535;
-/// Tolerance for measuring with a ruler and folding; a wrong order of the corners deviates by 40 %.
+/// Tolerance for measuring with a ruler and folding; corners in a wrong order deviate by 40 %.
 constexpr double kMaxRelativeDeviation = 0.03;
 
 bool is_square(const WandTag& tag) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The pattern that the visitor holds: tags fixed to each other. A single flat tag is a wand, too.
+/// The pattern that the visitor holds: tags fixed to each other. A single flat tag is also a wand.
 ///
-///           ▔▔▔▔▔                 seen from above: the standard wand, a card folded into three panels; its tags are
-///         ╱       ╲               not in one plane, so that a small turn moves them against each other (parallax),
-///        ╱    z    ╲              which a flat tag that is seen from the front does not show.
+///           ▔▔▔▔▔                 seen from above: the standard wand, a card folded into three panels. Its tags are
+///         ╱       ╲               not in one plane, so that a small turn moves them relative to each other (parallax).
+///        ╱    z    ╲              A flat tag seen from the front has no such parallax.
 ///             ▲
-///             └──▶ x              Tag frame: in the middle of all tags; x right, y down, z into the wand, as seen
-///          ▣ camera (below)       from the front (frames.h).
+///             └──▶ x              Tag frame: origin in the middle of all tags; x right, y down, z into the wand, as
+///          ▣ camera (below)       seen from the front (frames.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -30,12 +30,12 @@ struct WandTag {
   std::array<Eigen::Vector3d, 4> corners;
 };
 
-/// A value. At least one tag, each id once.
+/// A wand has at least one tag, and each id once. A value.
 struct Wand {
   std::string name;
   std::vector<WandTag> tags;
 
-  /// Identifies the wand on the wire and in the state: its first tag's id.
+  /// Returns the id of the first tag, which identifies the wand on the wire and in the state.
   [[nodiscard]] int id() const { return tags.front().id; }
 };
 
@@ -46,7 +46,7 @@ struct Wand {
 /// into the tag.
 [[nodiscard]] RigidTransform<frame::Tag, frame::Face> face_of(const WandTag& tag);
 
-/// Reads wand.toml: `name` and [[tag]] tables with `id`, `size_mm` and `corners_mm`, four points. Errors: as
+/// Reads wand.toml: `name` and [[tag]] tables with `id`, `size_mm` and `corners_mm`, four points. Errors: those of
 /// read_file(); kBadData, with file, line and remedy, for no tag or more than 32, for a repeated id, and for corners
 /// that are not a square of that size to within 3 %.
 Result<Wand> read_wand(const std::filesystem::path& path);

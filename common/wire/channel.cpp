@@ -41,13 +41,14 @@ Error cannot_listen(const std::string& address) {
                                              address));
 }
 
-/// Parts of gRPC's messages about an untrusted peer, and the sentences shown instead.
+/// Parts of gRPC's messages about an untrusted peer, and the sentences that replace these messages.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kDistrust{{
     {"certificate verify failed", "its certificate is not from this side's authority, or has expired"},
     {"Hostname Verification Check failed", "its certificate does not contain the address used to connect"},
 }};
 
-/// If nobody listens, gRPC returns a long message with a percent-encoded address; its last part is sufficient.
+/// Returns why a call failed. If nobody listens, gRPC returns a long message with a percent-encoded address, of which
+/// the last part suffices.
 std::string reason_of(const grpc::Status& status) {
   const std::string& message = status.error_message();
   if (message.empty()) return "the peer gave no reason";
@@ -86,13 +87,13 @@ Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address, 
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMessageLimitBytes);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 2000);  // In effect the timeout of one attempt.
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 2000);  // This is, in effect, the timeout of one attempt.
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 5000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5000);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL,
-                   1);  // Separate connection, so that a slow stream does not delay others.
+                   1);  // Gives the channel a connection of its own, so that a slow stream does not delay others.
   return grpc::CreateCustomChannel(address, credentials, arguments);
 }
 
@@ -137,19 +138,19 @@ Result<std::unique_ptr<WireServer>> WireServer::start(const std::string& address
   if (options.calls_per_connection > 0) {
     builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.calls_per_connection);
   }
-  // Otherwise two coordinators on one port would share the clients at random.
+  // Without this, two coordinators on one port would share the clients at random.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // A lost or frozen machine sends nothing; keep-alive ends its stream within 10 s.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 5000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5000);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 2000);
-  // A connection whose peer sends nothing valid is closed soon, which frees its descriptor.
+  // A connection whose peer sends nothing valid is closed soon, so that its descriptor is freed.
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10'000);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 300'000);
   if (options.tls) {
-    // An open call continues, but the next one needs a new connection with the current certificate, so that a peer that
-    // was revoked and received a new certificate is admitted without a restart.
+    // An open call continues, but the next one requires a new connection with the current certificate. A peer that was
+    // revoked and has received a new certificate is therefore admitted without a restart.
     builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, 30'000);
   }
   for (grpc::Service* const service : services) builder.RegisterService(service);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// gRPC conventions of this project: addresses, limits, keep-alive, and errors that keep their code.
+/// gRPC conventions of this project: addresses, limits, keep-alive, and errors that keep their codes.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -25,22 +25,23 @@ inline constexpr int kMessageLimitBytes = 16 << 20;
 
 /// Maps ErrorCode to a gRPC status one to one; the message is unchanged.
 [[nodiscard]] grpc::Status to_grpc(const Error& error);
-/// Precondition: !status.ok(). `doing` describes this side's action: "opening the session".
+/// Inverse of to_grpc(). `doing` describes this side's action, such as "opening the session". Precondition:
+/// !status.ok().
 [[nodiscard]] Error from_grpc(const grpc::Status& status, std::string_view doing);
 
-/// Returns a channel to "[::1]:7401" (or a name and port), or to a socket in the file system, "unix:/run/x.sock". It
-/// connects on first use, for at most 2 s, sends keep-alives every 5 s and reconnects with a back-off of 0.1 to 2 s.
-/// Without `tls` nothing is encrypted. Thread-safe once made. Errors: kInvalidArgument as parse_address(); with `tls`,
-/// also as channel_credentials().
+/// Returns a channel to HOST:PORT, such as "[::1]:7401", or to a socket in the file system, such as "unix:/run/x.sock".
+/// It connects on first use, for at most 2 s, sends keep-alives every 5 s, and reconnects with a back-off of 0.1 to 2
+/// s. Without `tls` nothing is encrypted. Thread-safe once made. Errors: those of parse_address(); with `tls`, also
+/// those of channel_credentials().
 Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address,
                                                     const std::optional<TlsFiles>& tls = std::nullopt);
 
 /// Waits for `time` and lets the channel connect meanwhile: gRPC 1.51 continues connecting only while a thread waits
-/// for the channel, a failed call does not wait, and TLS takes several rounds. Returns earlier once a connection is
-/// made, and within 50 ms when `is_over` becomes true.
+/// for the channel, a failed call does not wait, and TLS takes several rounds. Returns earlier once the channel is
+/// connected, and within 50 ms when `is_over` returns true.
 void wait_until_connected(grpc::Channel& channel, Duration time, const std::function<bool()>& is_over);
 
-/// Returns DATA_LOSS: the peer sent something that is not a valid message.
+/// Returns a DATA_LOSS status: the peer sent something that is not a valid message.
 grpc::Status unreadable();
 
 /// Finishes a client's stream whose Read() returned false. `finish` is the stream's Finish(): it returns at once if the
@@ -48,20 +49,20 @@ grpc::Status unreadable();
 /// seconds, and the result is unreadable().
 grpc::Status finish_after_read(grpc::ClientContext& context, const std::function<grpc::Status()>& finish);
 
-/// Requirements of a server for its clients.
+/// Settings of a server.
 struct ServerOptions {
   std::optional<TlsFiles> tls{};
-  Admission admit{};  ///< With TLS: decides on every call.
+  Admission admit{};  ///< With TLS: decides on every call; may be empty.
   int message_limit_bytes = kMessageLimitBytes;
-  int calls_per_connection = 0;  ///< Further calls wait at the peer. 0: no limit.
+  int calls_per_connection = 0;  ///< Maximum number of concurrent calls; further calls wait at the peer. 0: no limit.
 };
 
-/// A listening server. Destroy or stop() it before its services. Thread-safe.
+/// A listening server. It must be destroyed or stopped before its services are destroyed. Thread-safe.
 class WireServer {
  public:
   /// Starts serving on `address`; port 0 selects a free one, and an existing socket file is replaced. Borrows the
-  /// services until stop(). Errors: kInvalidArgument as make_channel(); kBusy if the port is taken; with TLS, also as
-  /// server_credentials().
+  /// services until stop(). Errors: kInvalidArgument for an invalid address; kBusy if the port is taken; with TLS, also
+  /// those of server_credentials().
   static Result<std::unique_ptr<WireServer>> start(const std::string& address,
                                                    const std::vector<grpc::Service*>& services,
                                                    const ServerOptions& options = {});
@@ -69,9 +70,9 @@ class WireServer {
   WireServer(const WireServer&) = delete;
   WireServer& operator=(const WireServer&) = delete;
 
-  /// 0 for a socket in the file system.
+  /// Returns the port; 0 for a socket in the file system.
   [[nodiscard]] int port() const { return port_; }
-  /// Lets open calls end by themselves for at most `grace`, then cancels them. Blocks; may be called twice.
+  /// Lets open calls end by themselves for at most `grace`, then cancels them. Blocks. May be called twice.
   void stop(Duration grace);
 
  private:

@@ -17,8 +17,9 @@ constexpr std::uint32_t kMaxSamples = 4096;
 constexpr std::uint32_t kMaxBounces = 64;
 constexpr std::uint32_t kMaxLightSamples = 16;
 constexpr float kMaxRadianceLimit = 1e9f;
-constexpr double kMaxEyeCoordinateM = 1e7;  // Far beyond any scene, but within float, which the ray kernels use.
-constexpr double kSteepest = 1e4;           // Tangent, within a hundredth of a degree of a right angle.
+// Far beyond any scene, but within the range of float, which the ray kernels use.
+constexpr double kMaxEyeCoordinateM = 1e7;
+constexpr double kSteepest = 1e4;           // Maximum tangent, within a hundredth of a degree of a right angle.
 constexpr double kMaxEyeDistance_m = 1.0;   // Upper bound of the interpupillary distance; adults have about 0.063 m.
 
 Error refuse(const char* field, const std::string& what) {
@@ -35,7 +36,7 @@ Status is_light(const char* field, float value) {
   return refuse(field, fmt::format("is {}; it must be 0 to {}", value, kMaxRadianceLimit));
 }
 
-/// Separates both eyes' pictures: `height` becomes the height of one.
+/// Separates the two eyes' pictures: `height` becomes the height of one picture.
 Result<Viewing> viewing_of(const wire::EyePair& eyes, int* height) {
   const auto refuse_eyes = [](const std::string& what) {
     return Error(ErrorCode::kInvalidArgument, "panorama." + what);

@@ -19,7 +19,7 @@ namespace {
 constexpr std::array<std::pair<Role, std::string_view>, 4> kRoles{
     {{Role::kNobody, "nobody"}, {Role::kCoordinator, "coordinator"}, {Role::kMuseum, "museum"}, {Role::kNode, "node"}}};
 
-/// Returns the subject's only entry of that kind; nothing if there is none or several.
+/// Returns the subject's only entry of that kind; empty if there is none, or if there are several.
 std::optional<std::string> entry(const X509_NAME* subject, int kind) {
   const int at = X509_NAME_get_index_by_NID(subject, kind, -1);
   if (at < 0 || X509_NAME_get_index_by_NID(subject, kind, at) >= 0) return std::nullopt;

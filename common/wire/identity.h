@@ -14,7 +14,7 @@ class ServerContextBase;
 
 namespace cyclorama {
 
-/// Role of a certificate's owner in the farm: its organizational unit (OU), "coordinator", "museum" or "node".
+/// Role of a certificate's owner in the farm, from its organizational unit (OU): "coordinator", "museum" or "node".
 enum class Role {
   kNobody,  ///< Without TLS.
   kCoordinator,
@@ -22,7 +22,7 @@ enum class Role {
   kNode,
 };
 
-/// A value. Without TLS only the address is known.
+/// Identity of a peer. Without TLS only the address is known. A value.
 struct Identity {
   Role role = Role::kNobody;
   std::string name{};     ///< Common name of the certificate.
@@ -32,15 +32,15 @@ struct Identity {
   bool operator==(const Identity&) const = default;
 };
 
-/// "museum", "nobody"; for a log: "the museum 'hall-3' (serial 4C97...)".
+/// Returns "museum", "nobody" and so on; with an identity, a text for a log: "the museum 'hall-3' (serial 4C97...)".
 [[nodiscard]] std::string_view to_text(Role role);
 [[nodiscard]] std::string to_text(const Identity& who);
 
-/// Reads the first certificate of a PEM text; the address stays empty. Errors: kBadData if there is none, or it has not
-/// exactly one common name and one known unit.
+/// Reads the first certificate of a PEM text; the address stays empty. Errors: kBadData if there is none, or if it does
+/// not have exactly one common name and one known unit.
 Result<Identity> identity_in(std::string_view certificate_pem);
 
-/// Identity of the peer of a call. kNobody if the channel has no TLS, or the certificate states no role.
+/// Returns the identity of a call's peer. kNobody if the channel has no TLS, or the certificate states no role.
 [[nodiscard]] Identity identity_of(const grpc::ServerContextBase& context);
 [[nodiscard]] Identity identity_of(const grpc::AuthContext& context);
 

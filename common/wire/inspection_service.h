@@ -14,7 +14,8 @@
 
 namespace cyclorama {
 
-/// Registered with the process's WireServer. Thread-safe. Pictures are encoded only on request.
+/// Serves the status. To be registered with the process's WireServer. Thread-safe. Pictures are encoded only on
+/// request.
 class InspectionService final : public wire::Inspection::Service {
  public:
   explicit InspectionService(std::string process);
@@ -27,10 +28,10 @@ class InspectionService final : public wire::Inspection::Service {
   void set_fact(const std::string& name, std::string value);
   /// Replaces the table of the same name.
   void set_table(wire::Table table);
-  /// The newest picture wins.
+  /// Replaces the picture of the same name.
   void set_picture(const std::string& name, std::shared_ptr<const RgbImage> picture);
-  /// Returns false if the picture was not requested in the last 3 seconds and need not be made. From the first call on,
-  /// GetStatus lists the picture's name.
+  /// Returns false if the picture was not requested in the last 3 seconds, so that it need not be made. From the first
+  /// call on, GetStatus lists the picture's name.
   [[nodiscard]] bool is_watched(const std::string& picture);
   [[nodiscard]] wire::ProcessStatus status() const;
 

@@ -5,8 +5,8 @@
 
 namespace cyclorama::wire {
 
-/// A node keeps this many versions of a scene's light, the newest, so that frames in flight and pictures at rest keep
-/// theirs when a new one comes.
+/// Number of newest versions of a scene's light that a node keeps, so that frames in flight and pictures at rest keep
+/// their version when a new one comes.
 inline constexpr std::size_t kKeptLightVersions = 2;
 
 }  // namespace cyclorama::wire

@@ -36,9 +36,9 @@ inline OpensslBio bio_of(std::string_view text) {
 
 /// Returns the first certificate of a PEM text. Errors: kBadData if there is none.
 Result<OpensslCertificate> parse_certificate(std::string_view pem);
-/// In hexadecimal, as openssl prints it.
+/// Returns a serial number in hexadecimal, as printed by openssl.
 [[nodiscard]] std::string serial_text(const ASN1_INTEGER* serial);
-/// "2029-02-24"; "?" for an invalid time.
+/// Returns a date such as "2029-02-24"; "?" for an invalid time.
 [[nodiscard]] std::string day_text(const ASN1_TIME* time);
 
 }  // namespace cyclorama

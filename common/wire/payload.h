@@ -7,7 +7,7 @@
 
 namespace cyclorama {
 
-/// Returns the size of all that a tile carries: its JPEG and its depth. Limits and statistics of bytes count it.
+/// Returns the size of a tile's payload: its JPEG and its depth. Limits and statistics in bytes use it.
 [[nodiscard]] inline std::size_t payload_bytes(const wire::Tile& tile) {
   return tile.jpeg().size() + tile.depth().size();
 }

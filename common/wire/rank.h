@@ -11,11 +11,11 @@ namespace cyclorama {
 enum class WorkClass : std::uint8_t {
   kMoving,  ///< Pictures of visitors who move.
   kAtRest,  ///< Refinements of pictures of visitors who stand still.
-  kSpare,   ///< Everything of a museum beyond its quota: it gets what all others leave.
+  kSpare,   ///< All work beyond a museum's quota: it gets what all other work leaves.
 };
 inline constexpr std::size_t kWorkClasses = 3;
 
-/// RenderBlock.rank: the class, and within it the position in its order, in cpu-microseconds of virtual time.
+/// RenderBlock.rank: the class and, within the class, the position in its order, in cpu-microseconds of virtual time.
 struct Rank {
   static constexpr std::uint64_t kPerClass = std::uint64_t{1} << 62;
 

@@ -19,9 +19,10 @@ namespace {
 constexpr std::size_t kMaxPemBytes = 1 << 20;
 constexpr unsigned kReadAgainSeconds = 2;
 
-/// gRPC 1.51 requests TLS 1.2 or later from OpenSSL and offers no setting for it. But every context that OpenSSL
-/// creates starts with the "system default" section of its configuration, and gRPC does not touch the protocols that
-/// are disabled there. So this process installs a configuration of its own, in place of /etc/ssl/openssl.cnf's section.
+/// Restricts OpenSSL to TLS 1.3. gRPC 1.51 requests TLS 1.2 or later from OpenSSL and offers no setting for it. But
+/// every OpenSSL context starts with the "system default" section of the configuration, and gRPC does not enable
+/// protocols that are disabled there. This process therefore installs a configuration of its own, in place of the
+/// section in /etc/ssl/openssl.cnf.
 bool speak_tls_1_3_only() {
   static const bool done = [] {
     constexpr std::string_view kConfiguration =
@@ -33,7 +34,7 @@ bool speak_tls_1_3_only() {
         "[defaults]\n"
         "Protocol = -ALL,TLSv1.3\n"
         "CipherString = DEFAULT:@SECLEVEL=2\n";
-    // OpenSSL loads the installed configuration once; if that happened later, it would replace this one.
+    // OpenSSL loads the installed configuration once; loaded later, it would replace this one.
     if (OPENSSL_init_ssl(OPENSSL_INIT_LOAD_CONFIG, nullptr) != 1) return false;
     const std::unique_ptr<CONF, OpensslFree<NCONF_free>> configuration(NCONF_new(nullptr));
     return configuration && NCONF_load_bio(configuration.get(), bio_of(kConfiguration).get(), nullptr) > 0 &&
@@ -66,7 +67,7 @@ auto watcher_of(const TlsFiles& files) {
       files.key.string(), files.certificate.string(), files.authority.string(), kReadAgainSeconds);
 }
 
-/// Called by gRPC for every call.
+/// Decides on every call; called by gRPC.
 class Doorman final : public grpc::AuthMetadataProcessor {
  public:
   explicit Doorman(Admission admit) : admit_(std::move(admit)) {}
@@ -95,7 +96,7 @@ Result<Identity> check(const TlsFiles& files) {
   TRY_ASSIGN(const OpensslCertificate authority, read_certificate(files.authority));
   TRY_ASSIGN(const OpensslCertificate certificate, read_certificate(files.certificate));
   TRY_ASSIGN(const std::string key_pem, read_text_file(files.key, kMaxPemBytes));
-  // A key with a pass phrase would prompt on a terminal that nobody sees.
+  // A key with a pass phrase would prompt on a terminal that nobody watches.
   const auto no_pass_phrase = [](char*, int, int, void*) { return -1; };
   const OpensslKey key(PEM_read_bio_PrivateKey(bio_of(key_pem).get(), nullptr, no_pass_phrase, nullptr));
   if (key == nullptr) return about(files.key, "is not a private key in PEM form without a pass phrase");

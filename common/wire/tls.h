@@ -19,17 +19,17 @@ class ServerCredentials;
 namespace cyclorama {
 
 /// PEM files, as made by cyclorama-authority. They are read again every few seconds: a renewed certificate is used for
-/// the next connection, without a restart. Replace the certificate and its key together.
+/// the next connection, without a restart. A certificate and its key must be replaced together.
 struct TlsFiles {
   std::filesystem::path authority{};    ///< Certificate of the trusted authority.
   std::filesystem::path certificate{};  ///< This process's own certificate.
-  std::filesystem::path key{};          ///< Readable only by its user.
+  std::filesystem::path key{};          ///< This process's private key; readable only by its user.
 
   bool operator==(const TlsFiles&) const = default;
 };
 
-/// Decides on a call by its peer: returns nothing to admit it, otherwise the reason as a sentence that the peer
-/// receives with PERMISSION_DENIED. Called on gRPC's threads, concurrently; must not wait.
+/// Decides whether to admit a call, by its peer. Returns nothing to admit it, else the reason as a sentence, which the
+/// peer receives with PERMISSION_DENIED. Called on gRPC's threads, concurrently; must not wait.
 using Admission = std::function<std::optional<std::string>(const Identity& who)>;
 
 /// Checks that the files are usable now: they exist, belong together, and have not expired. Returns the certificate's
@@ -37,14 +37,15 @@ using Admission = std::function<std::optional<std::string>(const Identity& who)>
 /// reason.
 Result<Identity> check(const TlsFiles& files);
 
-/// Errors of both functions: as check(), and kSystem if this OpenSSL cannot be restricted to TLS 1.3. From the first
-/// call on, the whole process uses TLS 1.3 only. Thread-safe.
-///
-/// The server's certificate must contain the address used to connect: a host name among its DNS names, an address among
-/// its IP addresses.
+/// Returns credentials for a client. Errors, also of server_credentials(): those of check(); kSystem if this OpenSSL
+/// cannot be restricted to TLS 1.3. From the first call of either function on, the whole process uses TLS 1.3 only.
+/// Thread-safe.
+/// The server's certificate must contain the address that is used to connect: a host name among its DNS names, an
+/// address among its IP addresses.
 Result<std::shared_ptr<grpc::ChannelCredentials>> channel_credentials(const TlsFiles& files);
-/// Refuses every call of a peer without a certificate of the authority, then those that `admit` refuses (null: none).
-/// Errors: kInvalidArgument if the certificate is not a coordinator's.
+/// Returns credentials for a server. They refuse every call of a peer without a certificate of the authority, then
+/// every call that `admit` refuses; if `admit` is null, no others. Errors: kInvalidArgument if the certificate is not a
+/// coordinator's.
 Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const TlsFiles& files, Admission admit);
 
 }  // namespace cyclorama

@@ -14,8 +14,8 @@
 
 namespace cyclorama::tracker {
 
-/// Reads numbers from the front of a packet. After a read beyond its end, is_short() is true and all numbers are zero.
-/// Borrows the packet.
+/// Reads numbers from the front of a packet. After a read beyond the packet's end, is_short() is true and all numbers
+/// are zero. Borrows the packet.
 class PacketReader {
  public:
   explicit PacketReader(std::span<const std::byte> bytes) : left_(bytes) {}

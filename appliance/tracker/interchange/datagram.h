@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Datagrams over UDP, by IPv6 or IPv4. Nothing blocks; a datagram to an absent receiver is lost.
+/// UDP datagrams over IPv6 or IPv4. No call blocks; a datagram to an absent receiver is lost.
 #pragma once
 
 #include <cstddef>
@@ -13,12 +13,12 @@
 
 namespace cyclorama::tracker {
 
-/// Thread-bound.
+/// Sends datagrams to one address. Thread-bound.
 class DatagramSender {
  public:
-  /// Errors: kInvalidArgument if the address is not HOST:PORT, or the host is unknown; kSystem.
+  /// Errors: kInvalidArgument if the address is not HOST:PORT, or the host is unknown; kSystem for other failures.
   static Result<DatagramSender> open(const std::string& address);
-  /// Sends a datagram; if the network does not take it now, it is lost, as any datagram may be.
+  /// Sends a datagram. It is lost if the network does not take it now, as any datagram may be.
   void send(std::span<const std::byte> datagram) const;
 
  private:
@@ -26,10 +26,11 @@ class DatagramSender {
   UniqueFd fd_;
 };
 
-/// Thread-bound.
+/// Receives datagrams at one port. Thread-bound.
 class DatagramReceiver {
  public:
-  /// Listens at "[::1]:3883" or "[::]:9000". Errors: kInvalidArgument as above; kBusy if the port is taken; kSystem.
+  /// Listens at an address such as "[::1]:3883" or "[::]:9000". Errors: those of DatagramSender::open(); kBusy if the
+  /// port is taken.
   static Result<DatagramReceiver> open(const std::string& address);
   /// Returns the next datagram; empty if there is none, or it exceeds kMaxDatagramBytes.
   std::optional<std::vector<std::byte>> receive() const;

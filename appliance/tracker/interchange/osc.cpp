@@ -24,9 +24,10 @@ std::string as_text(std::span<const std::byte> bytes) {
   return text;
 }
 
-// Returns through an out-parameter: gcc 12 warns falsely about a std::variant or std::string in a Result.
+// The functions below return through an out-parameter: gcc 12 warns falsely about a std::variant or std::string in a
+// Result.
 
-/// Reads a text with its NUL and the zeros up to the next unit.
+/// Reads a text with its NUL and with the zeros up to the next multiple of kUnit.
 Status read_text(PacketReader* reader, std::span<const std::byte> packet, std::string* ret_text) {
   const auto rest = packet.last(reader->left());
   const auto end = std::find(rest.begin(), rest.end(), std::byte{0});

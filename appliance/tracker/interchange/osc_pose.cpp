@@ -15,7 +15,7 @@ constexpr std::string_view kSteer = "/cyclorama/steer";
 constexpr std::size_t kPoseArguments = 10;
 constexpr std::size_t kLostArguments = 3;
 
-/// Returns every argument as a number; empty if one is none.
+/// Returns every argument as a number; empty if any of them is not a number.
 std::vector<double> numbers_of(const OscMessage& message) {
   std::vector<double> numbers;
   for (std::size_t i = 0; i < message.arguments.size(); ++i) {
@@ -26,7 +26,8 @@ std::vector<double> numbers_of(const OscMessage& message) {
   return numbers;
 }
 
-/// Keeps integers as such: a time in nanoseconds exceeds a double's precision.
+/// Returns an argument as an integer. Integers are not converted to double, whose precision a time in nanoseconds
+/// exceeds.
 std::optional<std::int64_t> whole(const OscMessage& message, std::size_t index) {
   if (const auto* const value = std::get_if<std::int64_t>(&message.arguments[index])) return *value;
   if (const auto* const value = std::get_if<std::int32_t>(&message.arguments[index])) return *value;

@@ -5,7 +5,8 @@
 ///   /cyclorama/lost   i sensor  h sequence  h time_ns
 ///   /cyclorama/steer  forward right turn, each -1 to 1                    for example from sliders on a telephone
 ///
-/// Numbers of any type are accepted; messages with missing or additional arguments, or at another address, are ignored.
+/// Numbers of any type are accepted; messages with missing or additional arguments, or with another address, are
+/// ignored.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The common content of tracker protocols: a sensor's pose at a time. Cyclorama's own form of it is wire::TrackedPose.
+/// The common content of tracker protocols: a sensor's pose at a time. Cyclorama's own protocol uses wire::TrackedPose.
 #pragma once
 
 #include <array>
@@ -10,9 +10,9 @@
 
 namespace cyclorama::tracker {
 
-/// Numbers as received; pose_of() checks them.
+/// A sensor's pose, with numbers as received; pose_of() checks them.
 struct PoseReport {
-  std::int32_t sensor = 0;  ///< Distinguishes several wands. Ours: the tag's id.
+  std::int32_t sensor = 0;  ///< Distinguishes several wands. In Cyclorama's reports: the tag's id.
   std::uint64_t sequence = 0;
   std::int64_t time_ns = 0;  ///< On the sender's clock.
   bool found = false;
@@ -23,12 +23,12 @@ struct PoseReport {
 
 /// Axes of another tracker.
 enum class TrackerAxes {
-  kCamera,  ///< Same as ours: X right, Y down, Z forward of a camera at the wall that faces the visitor.
+  kCamera,  ///< Axes of Cyclorama: X right, Y down, Z forward of a camera at the wall that faces the visitor.
   kRoom,    ///< X to the visitor's right, Y up, Z towards the visitor; origin at the wall, where a camera would be.
 };
 
-/// Returns the tag in the Camera frame; held straight, it has the camera's axes, and in room axes no rotation. Empty if
-/// it was not found, or the numbers are no pose.
+/// Returns the tag's pose in the Camera frame. A tag that is held straight has no rotation, whatever the axes of the
+/// report. Empty if the tag was not found, or if the numbers are no pose.
 [[nodiscard]] std::optional<RigidTransform<frame::Camera, frame::Tag>> pose_of(const PoseReport& report,
                                                                                TrackerAxes axes);
 

@@ -9,7 +9,7 @@
 
 namespace cyclorama::tracker {
 
-/// Sends each pose to other programs, by OSC and by VRPN datagrams. Datagrams that the network does not take are lost.
+/// Sends each pose to other programs, as OSC and as VRPN datagrams. Datagrams that the network does not take are lost.
 /// Thread-bound.
 class PoseSender {
  public:

@@ -9,17 +9,17 @@
 namespace cyclorama::tracker {
 namespace {
 
-/// Grey levels that are added before the logarithm; below them a ratio has no meaning.
+/// Grey levels that are added before the logarithm is taken; below this brightness a ratio has no meaning.
 constexpr float kOffset = 8.0f;
 constexpr float kMinDeviation = 0.015f;
 constexpr float kFirstDeviation = 0.04f;
-/// Deviations from the room at which a cell begins to count as part of a person, and counts fully.
+/// Differences from the room, in deviations, from which a cell begins to count as part of a person, and counts fully.
 constexpr float kBegins = 3.0f;
 constexpr float kIs = 6.0f;
 /// Share of the cells outside of the visitor that the change of light must explain.
 constexpr double kExplained = 0.55;
 constexpr Duration kJump = std::chrono::seconds(5);
-/// Noise of the logarithm beyond which a dark jacket cannot be told from a wall.
+/// Noise of the logarithm above which a dark jacket cannot be distinguished from a wall.
 constexpr double kTooNoisy = 0.12;
 constexpr int kSampleEvery = 3;
 
@@ -94,7 +94,7 @@ void Background::learn_anew(const std::optional<CellBounds>& visitor) {
   std::size_t i = 0;
   for (int y = 0; y < level_.height(); ++y) {
     for (int x = 0; x < level_.width(); ++x, ++i) {
-      // level_ excludes the best estimate of the light, so behind people the learned room remains the best estimate.
+      // level_ excludes the best estimate of the light, so behind people the room as learned before is still valid.
       if ((visitor && visitor->contains(x, y)) || silhouette_.share.data()[i] > 0.5f) continue;
       cells_[i] = {level_.data()[i], kFirstDeviation * kFirstDeviation, 1.0f, level_.data()[i], 0.0f};
     }
@@ -122,7 +122,7 @@ void Background::compare(double seconds, const std::optional<CellBounds>& visito
         cell.seen = std::min(cell.seen + 1.0f, 1e6f);
         const float weight = std::max(slow, 1.0f / cell.seen);
         cell.mean += weight * off;
-        // The influence of one outlier is bounded.
+        // Bounds the influence of a single outlier.
         cell.variance += weight * (std::min(off * off, 9.0f * deviation * deviation) - cell.variance);
         cell.still_s = 0.0f;
         continue;

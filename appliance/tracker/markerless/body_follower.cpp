@@ -16,15 +16,15 @@ constexpr Duration kRemembered = std::chrono::seconds(2);
 /// Maximum speed of a walking or bending person.
 constexpr double kMaxSpeedMPerS = 2.5;
 constexpr double kMaxSpeedRadPerS = 2.5;
-/// Maximum motion of a person who stands still, while arriving.
+/// Maximum motion of an arriving person who counts as standing still.
 constexpr double kStillM = 0.09;
 constexpr double kStillRad = 0.12;
 constexpr double kMaxLeanRad = 0.7;
-/// A chest that is wider than on arrival by this factor belongs to two people.
+/// Factor from which a chest that is wider than on arrival belongs to two people.
 constexpr double kMerged = 1.3;
-/// Factor per picture on a lean that cannot be measured.
+/// Factor by which a lean that cannot be measured fades in each picture.
 constexpr double kFades = 0.95;
-/// Distance from the middle of the head's rows down to the hip, in widths of the head.
+/// Distance from the middle of the head's rows down to the hip, in head widths.
 constexpr double kHeadToHip = 4.6;
 
 double spread(const auto& values, const auto& of) {
@@ -65,14 +65,14 @@ BodyFollower::Standing BodyFollower::standing(const BodyShape& shape, const Pinh
   now.lean_rad = shape.lean_rad;
   double hip_u = shape.hip_u;
   if (chest_ > 0.0 && (!shape.has_chest || now.chest > kMerged * chest_)) {
-    // A person behind has merged with the chest in the picture: only the head surely belongs to the visitor, and the
+    // In the picture, a person behind has merged with the chest: only the head surely belongs to the visitor, and the
     // lean fades.
     now.lean_rad = kFades * lean_.value + upright_rad_;
     hip_u = shape.head.u + std::tan(now.lean_rad) * kHeadToHip * width;
   } else if (chest_ > 0.0) {
-    // Two measures of depth. A turned chest is narrower, an arm makes it wider, so it has less weight. If they
-    // contradict each other, one has merged with a background of the same grey: the one nearer to the expected depth is
-    // taken.
+    // Combines two measures of depth. The chest has less weight, since it is narrower when turned and wider with an
+    // arm. If the two measures contradict each other, one of them has merged with a background of the same grey: the
+    // one that is nearer to the expected depth is used.
     const double by_chest = shape.chest_width / chest_;
     const double head_sure = 1.0 / (now.deviation * now.deviation + 4e-4);
     const double off = shape.chest_width_deviation / shape.chest_width;
@@ -130,7 +130,7 @@ std::optional<BodyPose> BodyFollower::update(const Silhouette& silhouette, const
   for (const HeadCandidate& position :
        find_heads(share, kMinHeadM * lens.focal_px / farthest, kMaxHeadM * lens.focal_px / nearest)) {
     const auto shape = measured(silhouette, position);
-    if (!shape || shape->outline <= 0.0) continue;  // A ghost.
+    if (!shape || shape->outline <= 0.0) continue;  // The outline is a ghost's.
     if (!shape->has_chest && phase_ != BodyPhase::kFollowed) continue;
     const Standing now = standing(*shape, lens, at);
     if (now.depth_m < nearest || now.depth_m > farthest || std::abs(now.x_m) > settings_.follow_radius_m) continue;

@@ -11,57 +11,58 @@
 
 namespace cyclorama::tracker {
 
-/// The positions of visitors who steer by their bodies, and the conditions under which following starts.
+/// Settings for visitors who steer by their bodies: where they stand, and when following starts.
 struct BodySettings {
-  double mark_distance_m = 2.0;  ///< From the camera to the mark on the floor.
+  double mark_distance_m = 2.0;  ///< Distance from the camera to the mark on the floor.
   double follow_radius_m = 0.9;  ///< A visitor is followed within this distance of the mark.
   double begin_within_m = 0.5;   ///< A visitor must come to rest within this distance of the mark.
-  Duration begins_after = std::chrono::milliseconds(900);  ///< Duration of standing still there.
+  Duration begins_after = std::chrono::milliseconds(900);  ///< Time for which a visitor must stand still near the mark.
 };
 
 enum class BodyPhase { kNobody, kArriving, kFollowed };
 
-/// A visitor in one picture, in the Camera frame: x to its right, so the visitor's right is negative.
+/// A visitor in one picture, in the Camera frame: the camera's right is +x, so the visitor's right is -x.
 struct BodyPose {
   double x_m = 0.0;
   double depth_m = 0.0;
-  double lean_rad = 0.0;  ///< Relative to the posture on arrival; positive to the visitor's own right.
+  double lean_rad = 0.0;  ///< Relative to the posture on arrival; positive to the visitor's right.
   double x_deviation_m = 0.0;
   double depth_deviation_m = 0.0;
   double lean_deviation_rad = 0.0;
 };
 
-/// Follows one visitor through silhouettes: a person who comes to rest at the mark is followed, with the head and
-/// posture of that moment as reference, until lost; others in front and behind are ignored.
+/// Follows one visitor through silhouettes: a person who comes to rest at the mark is followed until lost, with head
+/// and posture at that moment as reference. Other people in front and behind are ignored.
 ///
 ///   nobody ──a person near the mark──▶ arriving ──still for begins_after──▶ followed
 ///      ▲ ◄───────── walked on ────────────┘                                  │
 ///      └──── not seen for 2 s, or beyond follow_radius_m (before that: kept) ◄┘
 ///
-/// Heads differ by a tenth in width, so a width alone gives the depth to a tenth. Therefore the head of a person who
-/// comes to rest is assumed to be at the mark if that makes it a head of 0.13 to 0.18 m; from then on, changes of depth
+/// Heads differ by a tenth in width, so a width alone gives the depth only to a tenth. Therefore the head of a person
+/// who comes to rest is assumed to be at the mark if its width is then 0.13 to 0.18 m; from then on, changes of depth
 /// are measured by the head and, independently, by the chest. Each quantity is filtered by a critically damped
-/// follower, whose cut-off rises with the visitor's speed. A measurement that no body could have jumped to is rejected.
+/// follower, whose cut-off rises with the visitor's speed. A measurement that implies an impossible jump is rejected.
 /// Thread-bound; a pure function of its input.
 class BodyFollower {
  public:
   explicit BodyFollower(const BodySettings& settings) : settings_(settings) {}
 
-  /// `lens` is in units of cells. Empty if nobody is followed in this picture.
+  /// Returns the pose of the followed visitor; empty if nobody is followed in this picture. `lens` is in units of
+  /// cells.
   std::optional<BodyPose> update(const Silhouette& silhouette, const Pinhole& lens, TimePoint at);
   [[nodiscard]] BodyPhase phase() const { return phase_; }
-  /// Region of the visitor, now or a moment ago; the room must not be learned there.
+  /// Region of the visitor, now or a moment ago; the background must not be learned there.
   [[nodiscard]] const std::optional<CellBounds>& region() const { return region_; }
-  /// Shape in the newest picture, in cells, for display.
+  /// Shape of the visitor in the newest picture, in cells, for display.
   [[nodiscard]] const std::optional<BodyShape>& shape() const { return shape_; }
 
  private:
-  /// One quantity, filtered.
+  /// One filtered quantity.
   struct Filtered {
     double value = 0.0;
     double speed = 0.0;
     void start(double at) { *this = {at, 0.0}; }
-    /// Follows a measurement, limited to `max` from the present value.
+    /// Moves towards `measured`; a difference of more than `max` is clipped to `max`.
     void follow(double measured, double max, double seconds, double rest_hz, double hz_per_speed);
   };
   struct Standing {
@@ -70,7 +71,7 @@ class BodyFollower {
     double depth_m = 0.0;
     double width = 0.0;      ///< Width of the head over the focal length.
     double deviation = 0.0;  ///< Relative deviation of `width`.
-    double chest = 0.0;      ///< Width of the chest over that of the head.
+    double chest = 0.0;      ///< Ratio of the chest's width to the head's.
     double lean_rad = 0.0;
   };
   std::optional<BodyPose> arrive(const BodyShape& shape, const Pinhole& lens, TimePoint at);
@@ -80,7 +81,7 @@ class BodyFollower {
   std::optional<BodyPose> miss(TimePoint at);
   void forget();
 
-  /// Width of an adult's head; a child of six has 0.145.
+  /// Width of an adult's head in metres; a child of six has 0.145.
   static constexpr double kHeadM = 0.155;
   BodySettings settings_;
   BodyPhase phase_ = BodyPhase::kNobody;
@@ -89,7 +90,7 @@ class BodyFollower {
   std::vector<Standing> arriving_;
   double head_m_ = kHeadM;
   double upright_rad_ = 0.0;
-  double chest_ = 0.0;  ///< Width of the visitor's chest over that of the head; 0 while it is not known.
+  double chest_ = 0.0;  ///< Ratio of the visitor's chest width to the head's; 0 while it is not known.
   Filtered x_, depth_, lean_;
   TimePoint seen_at_{};
 };

@@ -69,8 +69,8 @@ RgbImage BodyTracker::drawn(const GreyImage& picture) const {
 }
 
 RigidTransform<frame::Camera, frame::Tag> T_camera_body(const BodyPose& pose) {
-  // The visitor's right is the camera's -x: leaning there is an anticlockwise turn as seen by the camera, whose y
-  // points down.
+  // The visitor's right is the camera's -x. The camera's y points down, so it sees a lean to the visitor's right as an
+  // anticlockwise turn.
   const Eigen::Quaterniond lean(Eigen::AngleAxisd(-pose.lean_rad, Eigen::Vector3d::UnitZ()));
   return {lean, {pose.x_m, 0.0, pose.depth_m}};
 }

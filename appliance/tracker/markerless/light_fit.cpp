@@ -9,9 +9,9 @@ namespace cyclorama::tracker {
 namespace {
 
 constexpr int kIterations = 5;
-/// Cauchy's scale: larger differences lose their influence. At least the noise of a dim camera.
+/// Minimum scale of Cauchy's loss, about the noise of a dim camera: larger differences lose their influence.
 constexpr double kMinScale = 0.03;
-/// Keeps the surface flat where little of the room is visible.
+/// Regularisation that keeps the surface flat where little of the room is visible.
 constexpr double kRidge = 2e-3;
 
 double median_of(std::vector<double>* values) {

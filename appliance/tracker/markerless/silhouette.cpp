@@ -8,13 +8,12 @@ namespace cyclorama::tracker {
 namespace {
 
 constexpr double kMinScore = 0.35;
-/// Distance from the head's top down to the hip, in widths of the head: an adult's head is 0.155 m wide, and this is
-/// 0.47 of the height.
+/// Distance from the head's top down to the hip, in head widths: 0.47 of an adult's height, whose head is 0.155 m wide.
 constexpr double kHipBelow = 5.2;
-/// Rows in which the chest is measured, in widths below the head's top.
+/// First and last row in which the chest is measured, in head widths below the head's top.
 constexpr double kChestFrom = 2.1;
 constexpr double kChestTo = 3.9;
-/// Rows in which the head is measured: near its maximum width.
+/// First and last row in which the head is measured, near its maximum width, in head widths below its top.
 constexpr double kHeadFrom = 0.3;
 constexpr double kHeadTo = 0.95;
 
@@ -26,7 +25,7 @@ double score_at(const SummedShare& share, double u, double top, double w) {
   const double above = 1.0 - share.mean(u - 0.5 * w, top - 0.4 * w, u + 0.5 * w, top - 0.06 * w);
   const double left = 1.0 - share.mean(u - 1.15 * w, top, u - 0.62 * w, top + 0.95 * w);
   const double right = 1.0 - share.mean(u + 0.62 * w, top, u + 1.15 * w, top + 0.95 * w);
-  // One side may be occupied by a person behind.
+  // A person behind may occupy one side.
   const double sides = 0.65 * std::max(left, right) + 0.35 * std::min(left, right);
   return head * std::min(1.0, 1.1 * chest) * above * sides;
 }
@@ -57,7 +56,7 @@ struct Span {
   bool right_ends = false;
 };
 
-/// Follows cells outwards to the silhouette's end, to fractions of a cell: the outermost cell counts by its share of
+/// Returns the silhouette's end from (x, y) outwards, to fractions of a cell: the outermost cell counts by its share of
 /// the contrast inside.
 double edge(const Silhouette& silhouette, int x, int y, int step, int max, bool* ret_ends) {
   const auto inside = [&](int at) { return at >= 0 && at < silhouette.share.width(); };
@@ -97,7 +96,7 @@ std::optional<Span> span_at(const Silhouette& silhouette, double u, int y, doubl
   return span;
 }
 
-/// Returns the steepest of the cells about an edge.
+/// Returns the sum of Silhouette::outline over the three cells around an edge.
 double outline_at(const Silhouette& silhouette, double u, int y) {
   double sum = 0.0;
   for (int x = static_cast<int>(std::floor(u)) - 1; x <= static_cast<int>(std::floor(u)) + 1; ++x) {
@@ -108,7 +107,7 @@ double outline_at(const Silhouette& silhouette, double u, int y) {
 
 struct Spread {
   double median = 0.0;
-  double deviation = 0.0;  ///< Deviation of the median.
+  double deviation = 0.0;  ///< Standard deviation of the median.
 };
 std::optional<Spread> spread_of(std::vector<double> values) {
   if (values.size() < 3) return std::nullopt;
@@ -144,7 +143,7 @@ SummedShare::SummedShare(const Image<float, 1>& share)
 }
 
 double SummedShare::mean(double left, double top, double right, double bottom) const {
-  // Uses whole cells whose middle is inside.
+  // Uses those whole cells whose middle is inside.
   const int x0 = static_cast<int>(std::lround(left)), x1 = std::max(x0 + 1, static_cast<int>(std::lround(right)));
   const int y0 = static_cast<int>(std::lround(top)), y1 = std::max(y0 + 1, static_cast<int>(std::lround(bottom)));
   const double all = static_cast<double>(x1 - x0) * static_cast<double>(y1 - y0);
@@ -236,7 +235,7 @@ std::optional<BodyShape> measured(const Silhouette& silhouette, const HeadCandid
   }
   shape.head = head;
   shape.hip_u = head.u;
-  shape.hip_deviation = head.width;  // Range in which people lean, if it cannot be measured.
+  shape.hip_deviation = head.width;  // Range of people's leans, since the hip could not be measured.
   shape.lean_deviation = 0.2;
   const auto chest = spread_of(middles);
   const auto chest_width = spread_of(chests);

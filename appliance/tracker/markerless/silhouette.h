@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The parts of a picture in front of the room, and the heads and shoulders in it.
+/// The parts of a picture that are in front of the room, and the heads and shoulders among them.
 ///
-///          ╭─╮    above: empty     A head is detected by its surroundings: filled, with nothing above and nothing
-///     side │h│ side: empty         on one side at least, above something 2.6 times as wide. All boxes are in units
-///        ╭─┴─┴─╮                   of the head's width, from which depth is computed: heads differ least.
+///          ╭─╮    above: empty     A head is detected by its surroundings: it is filled, with nothing above, nothing
+///     side │h│ side: empty         on at least one side, and something 2.6 times as wide below. Depth is computed from
+///        ╭─┴─┴─╮                   the head's width, since it differs least between people. Boxes are in head widths.
 ///        │chest│
 ///
 /// Cells count from 0 at the picture's left and upper edge; a cell's middle is at +0.5.
@@ -26,17 +26,17 @@ struct CellBounds {
 };
 
 enum class LightState {
-  kLearning,  ///< Too few pictures yet; the room is being learned.
+  kLearning,  ///< There were too few pictures yet; the room is being learned.
   kSteady,
-  kUnsettled,  ///< A lamp was switched on just now, or the lens is covered.
+  kUnsettled,  ///< A lamp was just switched on, or the lens is covered.
   kDark        ///< Noise hides the room.
 };
 
 struct Silhouette {
-  Image<float, 1> share;     ///< Per cell: 0 is the room, 1 is a person.
+  Image<float, 1> share;     ///< For each cell: 0 is the room, 1 is a person.
   Image<float, 1> contrast;  ///< Difference from the room in grey levels.
-  /// Difference of the picture's gradient from the room's: positive along a person's outline. Negative for a ghost: the
-  /// outline of a person who stood there while the room was learned, and has left since.
+  /// Difference of the picture's gradient from the room's: positive along a person's outline. Negative along a ghost's:
+  /// the outline of a person who stood there while the room was learned, and has left since.
   Image<float, 1> outline;
   LightState light = LightState::kLearning;
 };
@@ -46,14 +46,14 @@ struct HeadCandidate {
   double u = 0.0;
   double top = 0.0;
   double width = 0.0;
-  double score = 0.0;  ///< 0 to 1.
+  double score = 0.0;  ///< In [0, 1].
 };
 
-/// Sums over rectangles in constant time.
+/// Sums of `share` over rectangles, in constant time.
 class SummedShare {
  public:
   explicit SummedShare(const Image<float, 1>& share);
-  /// Returns the mean over a box in cells; outside of the picture it counts as empty.
+  /// Returns the mean over a box in cells; the area outside of the picture counts as empty.
   [[nodiscard]] double mean(double left, double top, double right, double bottom) const;
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
@@ -64,26 +64,27 @@ class SummedShare {
   std::vector<double> sums_;
 };
 
-/// Returns the best head near `near` (within a width of it and a fifth of its width); empty if there is none.
+/// Returns the best head near `near` (within a head's width, and with a width that differs by less than a fifth); empty
+/// if there is none.
 [[nodiscard]] std::optional<HeadCandidate> find_head_near(const SummedShare& share, const HeadCandidate& near);
-/// Returns every head with widths from `min` to `max`, the best first, none within another's shoulders.
+/// Returns all heads with widths from `min` to `max`, the best first, none within another head's shoulders.
 [[nodiscard]] std::vector<HeadCandidate> find_heads(const SummedShare& share, double min, double max);
 
 /// A head and the body below it, measured along the silhouette's edges to fractions of a cell.
 struct BodyShape {
   HeadCandidate head;
-  double width_deviation = 0.0;  ///< Deviation of the head's width, cells.
-  /// False: the following are unknown, since a person is beside, or the chest is not in the picture.
+  double width_deviation = 0.0;  ///< Standard deviation of the head's width, in cells.
+  /// False: the members below are unknown, since another person is beside, or the chest is not in the picture.
   bool has_chest = false;
-  double chest_width = 0.0;  ///< Including the arms, cells: a second measure of depth.
+  double chest_width = 0.0;  ///< Width including the arms, in cells: a second measure of depth.
   double chest_width_deviation = 0.0;
-  double hip_u = 0.0;  ///< Position of the hip, also while the body leans, cells.
+  double hip_u = 0.0;  ///< Position of the hip, in cells; also valid while the body leans.
   double hip_deviation = 0.0;
-  double lean_rad = 0.0;  ///< From hip to head; positive towards smaller u, which is the visitor's right.
+  double lean_rad = 0.0;  ///< Angle from hip to head; positive towards smaller u, which is the visitor's right.
   double lean_deviation = 0.0;
   double outline = 0.0;  ///< Mean of Silhouette::outline along the head.
 };
-/// Empty if the head has no edges to measure.
+/// Returns the shape below `head`; empty if the head has no edges to measure.
 [[nodiscard]] std::optional<BodyShape> measured(const Silhouette& silhouette, const HeadCandidate& head);
 
 }  // namespace cyclorama::tracker

@@ -33,7 +33,7 @@ export function duration(s) {
 
 // ---- Time ----
 export const pause = (ms) => new Promise((done) => setTimeout(done, ms));
-// Both throw after so many milliseconds without an answer.
+// Both functions throw after `timeout` milliseconds without an answer.
 export const get = (address, timeout = 5000) => fetch(address, { signal: AbortSignal.timeout(timeout) });
 export const post = (address, body, timeout) =>
   fetch(address, {
@@ -43,7 +43,8 @@ export const post = (address, body, timeout) =>
     signal: AbortSignal.timeout(timeout),
   });
 
-// Calls `look` again and again while the page is visible, until it returns false; `hide` instead while it is not.
+// Calls `look` repeatedly while the page is visible, until it returns false; calls `hide` while the page is not
+// visible.
 export async function repeat(ms, look, hide = () => {}) {
   for (;;) {
     if (document.hidden) hide();

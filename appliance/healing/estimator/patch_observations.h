@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Measurements in the solver's form: projector pixels that cameras saw on the wall, and points of the wall's outline.
-/// Each carries its derivative with respect to the camera's pose.
+/// Each has its derivative with respect to the camera's pose.
 #pragma once
 
 #include <Eigen/Core>
@@ -33,15 +33,15 @@ struct EdgeObservation {
   std::size_t camera = 0;
   Outline part = Outline::kUpper;
   Eigen::Vector2d at{0.0, 0.0};  ///< Expected position in camera pixels.
-  double off_px = 0.0;           ///< Measured distance beyond it, along the outward normal.
+  double off_px = 0.0;           ///< Measured distance of the edge from `at`, along the outward normal.
   double sigma_px = 1.0;
   /// Derivative of that distance with respect to the camera's pose.
   Eigen::Matrix<double, 1, 6> by_camera = Eigen::Matrix<double, 1, 6>::Zero();
 };
 
 /// Returns the observation of a position in a camera's picture, with `wall_by_camera`; empty if its ray misses the
-/// wall. `covariance` of the position is in camera pixels. An observation's deviation is at least `min_sigma_px` of the
-/// projector.
+/// wall. `covariance` is that of the position, in camera pixels. The observation's deviation is at least
+/// `min_sigma_px`, in projector pixels.
 [[nodiscard]] std::optional<PatchObservation> patch_observation(const calibration::ShowCalibration& room,
                                                                 std::size_t camera, std::size_t projector,
                                                                 const Eigen::Vector2d& shown,

@@ -5,7 +5,8 @@
 ///   edge       the wall's outline in the camera's picture: locates the cameras in the room
 ///   prior      the filter's knowledge
 ///
-/// The wall is as calibrated. Losses are Cauchy's; distant starts converge by tightening them in three stages.
+/// The wall's shape is not estimated. Losses are Cauchy's, and are tightened in three stages so that distant starts
+/// converge.
 #pragma once
 
 #include <span>
@@ -28,7 +29,7 @@ struct BodyPrior {
 struct BodySolution {
   calibration::PoseStep step = calibration::PoseStep::Zero();
   calibration::PoseMatrix covariance = calibration::PoseMatrix::Zero();  ///< Covariance of the step, prior included.
-  /// Information from the measurements alone, while all other bodies are uncertain.
+  /// Information from the measurements alone, marginal over all other bodies.
   calibration::PoseMatrix information = calibration::PoseMatrix::Zero();
   /// Number of directions of `information` that are known to better than a tenth of a loose body's deviation.
   int rank = 0;
@@ -52,13 +53,14 @@ Result<PoseSolution> solve_poses(const calibration::ShowCalibration& room,
                                  std::span<const PatchObservation> observations, std::span<const EdgeObservation> edges,
                                  std::span<const BodyPrior> priors);
 
-/// The bodies that moved: the smallest set whose freedom explains the observations, found greedily. Empty if no body
+/// The bodies that moved: a small set whose displacement explains the observations, found greedily. Empty if no body
 /// has to move.
 struct MovedBodies {
   std::vector<BodyIndex> bodies;
   PoseSolution solution;
 };
-/// `starts` per body, zero where there is none. At most `max` bodies. Errors: those of solve_poses().
+/// `starts` has a step per body, zero for the believed pose. Returns at most `max` bodies. Errors: those of
+/// solve_poses().
 Result<MovedBodies> find_moved_bodies(const calibration::ShowCalibration& room,
                                       std::span<const PatchObservation> observations,
                                       std::span<const EdgeObservation> edges, std::span<const BodyPrior> priors,

@@ -38,8 +38,8 @@ std::vector<calibration::CalibratedColour> colours_of(const photometry::Photomet
   return colours;
 }
 
-/// Carries the previous light over to the new maps; nothing if there was none or it is unusable, in which case the wall
-/// is shown without measured brightness and colours.
+/// Carries the previous masks and colours over to the new maps. Returns nothing if there were none or they are
+/// unusable; the wall is then shown without measured brightness and colours.
 std::optional<photometry::FollowedLight> light_of_before(const std::filesystem::path& folder,
                                                          const std::optional<calibration::Calibration>& previous,
                                                          const calibration::Calibration& calibration) {
@@ -101,7 +101,7 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
 
   tell("finds out where everything is", kLightPart);
   begun = clock.now();
-  // An unreadable previous calibration does not prevent a new one; it is only not compared with it.
+  // An unreadable previous calibration does not prevent a new one; only their comparison is omitted.
   std::optional<calibration::Calibration> previous;
   if (auto read = calibration::read_calibration(folder)) {
     previous = *std::move(read);

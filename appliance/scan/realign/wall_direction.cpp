@@ -36,7 +36,8 @@ std::optional<Eigen::Vector3d> wall_direction_from(const Eigen::Vector3d& centre
     if (high > kMaxDistanceM) return std::nullopt;
     at_high = beyond(high);
   }
-  // Regula falsi in the Illinois variant, which halves the value at a stagnant end: as safe as bisection, and faster.
+  // Regula falsi in the Illinois variant, which halves the value at an end that does not move: as safe as bisection,
+  // and faster.
   int stays = 0;
   double s = high;
   for (int round = 0; round < kMaxSteps && high - low > kOnTheWall * high; ++round) {

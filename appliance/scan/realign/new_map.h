@@ -21,7 +21,7 @@ struct DisplacedMap {
   calibration::MeasuredMap map;
   Displacement displacement;
   solve::MeasuredRegistration registration;  ///< Measured with correspondences to which the map was not fitted.
-  double seen_fraction = 1.0;                ///< Measured fraction of the map; the displacement gives the rest.
+  double seen_fraction = 1.0;                ///< Measured fraction of the map.
 };
 
 struct NewMap {

@@ -111,7 +111,8 @@ class ObjReader {
     return {0.5 * (at[0] + 1.0), 0.5 * (at[1] + 1.0), from[0], from[1], 1.0};
   }
 
-  /// Vertices with a single texture vertex remain one node; otherwise each pair becomes a node.
+  /// Returns the net. If each vertex has one texture vertex, vertices become nodes; otherwise each pair of the two
+  /// does.
   [[nodiscard]] WarpNet joined() const {
     WarpNet net;
     bool is_paired = vertices_.size() == textures_.size();

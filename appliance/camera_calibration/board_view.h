@@ -7,7 +7,7 @@
 #include "common/geometry/rigid_transform.h"
 
 namespace cyclorama::frame {
-struct Board;  ///< A chessboard: origin at its first inner corner, x along the rows, y along the columns, z = 0.
+struct Board;  ///< Frame of a chessboard: origin at the first inner corner, x along the rows, y along the columns.
 }  // namespace cyclorama::frame
 
 namespace cyclorama::camera_calibration {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kFolds = 5;
 constexpr double kSameView = 0.02;          // Fraction of the picture's diagonal.
-constexpr double kWorstFocal = 0.02;        // Maximum sigma of the focal length relative to it.
+constexpr double kWorstFocal = 0.02;        // Maximum sigma of the focal length, relative to the focal length.
 constexpr double kWorstDirection_px = 5.0;  // A lens with a larger uncertainty is refused.
 constexpr double kFineDirection_px = 0.5;   // A larger uncertainty causes a remark.
 constexpr calibration::LensModel kModels[] = {calibration::LensModel::kPinhole, calibration::LensModel::kRadial1,

@@ -18,7 +18,7 @@ struct ProcamCandidate {
   /// HeldOut::projector_rms_px over all folds: a prediction without any fit to the projector.
   double prediction_rms_px = 0.0;
   double centre_scatter_px = 0.0;   ///< Largest distance between the projector centres of the folds.
-  std::vector<HeldOut> folds = {};  ///< One per view, which the fit left out.
+  std::vector<HeldOut> folds = {};  ///< One per view, each of which one fit left out.
 };
 
 struct ProcamSelection {

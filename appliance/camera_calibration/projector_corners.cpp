@@ -49,7 +49,7 @@ std::vector<Sample> samples_around(const structured_light::Decoded& decoded, con
 /// deviations.
 std::optional<double> middle_value(const std::vector<Sample>& samples, int axis) {
   Terms surface = Terms::Zero();
-  double spread = 0.0;  // While it is 0, no sample is an outlier.
+  double spread = 0.0;  // If 0, no sample is an outlier.
   for (int round = 0; round < 6; ++round) {
     Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
     Terms right = Terms::Zero();

@@ -76,8 +76,8 @@ class HealingLoop {
   /// position counts as right. Returns a sentence about the correction, for operators. Errors: kUnavailable if nothing
   /// is watched, with the reason; kNotFound if no correction is in force.
   Result<std::string> undo();
-  /// Precondition: the caller has a Held. Errors: those of healing::place_cameras(); kNotFound if no camera watches, or
-  /// there is no calibration.
+  /// Places all cameras and saves their poses. Precondition: the caller has a Held. Errors: those of
+  /// healing::place_cameras(); kNotFound if no camera watches, or there is no calibration.
   Result<std::vector<PlacedCamera>> place_cameras(std::stop_token stop);
 
  private:
@@ -100,13 +100,13 @@ class HealingLoop {
   InspectionService& inspection_;
   const Options options_;
 
-  std::mutex working_;                  ///< Held during a step and by a Held; guards the two members below.
+  std::mutex working_;                  ///< Locked during a step and by a Held; guards the two members below.
   std::unique_ptr<Watching> watching_;  ///< Null before the start, and while the wall is not watched.
   std::string lacks_;                   ///< Reason why watching_ is null.
   std::atomic<int> holders_{0};
   std::mutex mutex_;
   std::condition_variable_any woken_;
-  std::jthread thread_;  ///< Last member, so that the thread ends before what it uses.
+  std::jthread thread_;  ///< Last member, so that it ends before the others are destroyed.
 };
 
 }  // namespace cyclorama::healing

@@ -11,7 +11,7 @@
 
 namespace cyclorama::healing {
 
-/// Remedy if there is no camera to start with.
+/// Reason and remedy if no camera watches.
 inline constexpr const char* kNoCameraWatches = "no camera watches; name one in calibrator.toml, or with --watch";
 
 /// Initial state of the calibration during the show.

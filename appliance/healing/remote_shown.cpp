@@ -83,7 +83,7 @@ class RemoteShown::Display {
         stub_(wire::ShownPictures::NewStub(channel_)),
         clock_(clock) {}
 
-  /// Returns the display's clock minus ours.
+  /// Returns the display's clock minus this computer's clock.
   [[nodiscard]] Duration ahead() const {
     const ClockReading reading = offset_.reading(clock_.now());
     return std::chrono::nanoseconds(reading.is_known ? static_cast<std::int64_t>(reading.offset_ns) : 0);

@@ -2,7 +2,7 @@
 /// A recorded show with its cameras' pictures, so that its corrections can be reproduced bit by bit: for the
 /// calibrator's --record and --replay.
 ///
-///     FOLDER/installation.toml   copy of the room's: the wall
+///     FOLDER/installation.toml   copy of the room's file; gives the wall
 ///     FOLDER/show.record         initial state, then each moment's pictures, unchanged
 ///     FOLDER/report.txt          results, a line per event, numbers as hexadecimal floats
 ///
@@ -15,7 +15,7 @@
 ///                 u32 projectors, { u32 projector, i64 at_ns, u64 number }: times until which their pictures are known
 ///                 u32 photographs, { u32 camera, i64 opened_ns, i64 closed_ns, u32 width, u32 height, grey bytes }
 ///     u8 2: a realignment was requested
-///     u8 3, u32 projector, f64 rotation w, x, y, z, position x, y, z: the projector was put back there
+///     u8 3, u32 projector, f64 rotation w, x, y, z, position x, y, z: the projector was put back to this pose
 #pragma once
 
 #include <cstdio>
@@ -63,12 +63,12 @@ void put_learned(const LearnedRoom& learned, calibration::ShowFile* file);
 /// Writes a record. Thread-bound.
 class ShowRecorder {
  public:
-  /// Creates the folder. Errors: kInvalidArgument if the wall is a mesh, whose file a record does not contain; kSystem
-  /// with errno.
+  /// Creates the folder and its files. Errors: kInvalidArgument if the wall is a mesh, whose file a record does not
+  /// contain; kSystem with errno.
   static Result<ShowRecorder> begin(const std::filesystem::path& folder, const std::filesystem::path& installation,
                                     const RecordStart& start, std::uintmax_t max_bytes = kMaxRecordBytes);
-  /// Errors: kSystem with errno, for instance if the disk is full; kBusy if the record has reached its maximum size;
-  /// nothing more is recorded.
+  /// Adds a moment and its report. Errors: kSystem with errno, for instance if the disk is full; kBusy if the record
+  /// has reached its maximum size; nothing more is recorded.
   Status add(const ShowMoment& moment, const ShowReport& report);
   Status add_realignment();
   Status add_put_back(std::size_t projector, const RigidTransform<frame::Room, frame::Projector>& T_room_projector);
@@ -89,7 +89,8 @@ class ShowRecorder {
 /// Reads a record. Thread-bound.
 class ShowRecord {
  public:
-  /// Errors: kNotFound if there is no record; kBadData if it is invalid; those of read_installation().
+  /// Opens the record of a folder. Errors: kNotFound if there is no record; kBadData if it is invalid; those of
+  /// read_installation().
   static Result<ShowRecord> open(const std::filesystem::path& folder);
   [[nodiscard]] const RecordStart& start() const { return start_; }
 

@@ -19,7 +19,7 @@
 
 namespace cyclorama::interchange {
 
-/// Parameters that a file may not contain.
+/// Parameters that may be missing in a file.
 struct WarpSetting {
   /// For 2d: shape of the buffer's whole picture.
   PictureShape picture = Panorama{};

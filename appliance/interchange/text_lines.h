@@ -62,7 +62,7 @@ inline Result<double> number_of(std::string_view field, std::string_view locatio
   return *value;
 }
 
-/// Prints seven decimals, without a negative zero: a number that was read from this text prints the same text.
+/// Prints seven decimals, without a negative zero: a number that is read from the text prints the same text.
 inline std::string decimals(double value) { return fmt::format("{:.7f}", std::abs(value) < 0.5e-7 ? 0.0 : value); }
 
 }  // namespace cyclorama::interchange

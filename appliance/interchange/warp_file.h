@@ -25,7 +25,7 @@ struct WarpGridSize {
 };
 inline constexpr WarpGridSize kDefaultGrid{65, 37};
 
-/// Parameters that some formats do not contain.
+/// Parameters that are missing in some formats.
 struct WarpFileOptions {
   /// Size of the projector's picture: meshes are drawn into a map of this size. It also gives the aspect ratio.
   int width_px = 1920;
@@ -46,7 +46,7 @@ struct WarpFile {
 /// Reads a file. Errors: kInvalidArgument if no format has this file name extension; else those of the format's reader.
 Result<WarpFile> read_warp_file(const std::filesystem::path& path, const WarpFileOptions& options);
 
-/// Returns the region `id`, or the only region if `id` is empty; it is valid as long as the set. Errors:
+/// Returns the region `id`, or the only region if `id` is empty; the pointer is valid as long as the set. Errors:
 /// kInvalidArgument, with the ids of the set, if there is no such region, or `id` is empty and there are several.
 Result<const WarpRegion*> chosen_region(const WarpSet& set, const std::string& id);
 

@@ -12,7 +12,7 @@
 namespace cyclorama::photometry {
 namespace {
 
-constexpr double kMinGamutArea = 1e-4;  // Minimum area of a chromaticity triangle; all colours have 0.5.
+constexpr double kMinGamutArea = 1e-4;  // Minimum area of a chromaticity triangle; that of all colours is 0.5.
 
 using Polygon = std::vector<Eigen::Vector2d>;
 

@@ -14,8 +14,8 @@ namespace cyclorama::photometry {
 /// Exact inverse of MeasuredMap::direction_at(): maps a direction to a projector's pixel. Reentrant.
 class InverseMap {
  public:
-  /// Errors: kInvalidArgument if the map has no directions, its counts are inconsistent, or it surrounds the sweet
-  /// spot.
+  /// Inverts a map. Errors: kInvalidArgument if the map has no directions, its counts are inconsistent, or it surrounds
+  /// the sweet spot.
   static Result<InverseMap> make(const calibration::MeasuredMap& map);
 
   /// Returns the pixel of a direction of unit length; nothing if the projector's picture does not cover it.

@@ -19,8 +19,8 @@ namespace cyclorama::photometry {
 struct CameraCells {
   struct Cell {
     int pixels = 0;                                          ///< Number of camera pixels that see it; 0 if none does.
-    Eigen::Vector2d projector_px = Eigen::Vector2d::Zero();  ///< Mean of the projector pixels that these see.
-    Eigen::Vector2d camera_px = Eigen::Vector2d::Zero();     ///< Mean position of these camera pixels.
+    Eigen::Vector2d projector_px = Eigen::Vector2d::Zero();  ///< Mean of the projector pixels seen in the cell.
+    Eigen::Vector2d camera_px = Eigen::Vector2d::Zero();     ///< Mean of the camera pixels that see the cell.
   };
   int width_px = 0;  ///< Width of the projector's picture.
   int height_px = 0;

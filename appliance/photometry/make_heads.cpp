@@ -110,7 +110,7 @@ class HeadMaker {
   std::optional<DirectionField> inverse_black_;  ///< Inverse of the target black level.
 };
 
-/// Returns the maximum slope of the brightness for each grid point of the target fields.
+/// Returns the maximum slope of the brightness per grid point of the target fields.
 std::vector<double> HeadMaker::slopes(const PhotometryOptions& options) const {
   const auto pictures = [this](const Eigen::Vector3d& direction) {
     unsigned which = 0;

@@ -51,8 +51,8 @@ struct PhotometryOptions {
   /// Maximum relative change of brightness over the wall, per degree seen from the sweet spot. Slopes of a few percent
   /// per degree are not noticed. 0 means uniform: as dark as the darkest point.
   double max_slope_per_deg = 0.02;
-  /// The same limit near borders of pictures inside other pictures, where a slope is more visible. Chosen by the
-  /// measurements in docs/trade.md: with it 95 % of the steps across borders are below a percent.
+  /// Limit like max_slope_per_deg, but near borders of pictures inside other pictures, where a slope is more visible.
+  /// Chosen by the measurements in docs/trade.md: with it 95 % of the steps across borders are below a percent.
   double max_slope_at_borders_per_deg = 0.01;
   bool lifts_black = true;
 };
@@ -85,7 +85,7 @@ struct Photometry {
   /// a uniform wall, as dark as the darkest point, would use.
   double light_kept = 0.0;
   double light_kept_flat = 0.0;
-  double step_unexplained = 0.0;     ///< Relative RMS of white's readings about the model.
+  double step_unexplained = 0.0;     ///< Relative RMS difference of white's readings from the model.
   std::vector<std::string> remarks;  ///< Shortcomings and their remedies, for the installer.
 
   /// Input of the masks; saved by light_file.h.

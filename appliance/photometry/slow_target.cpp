@@ -13,7 +13,7 @@ namespace cyclorama::photometry {
 namespace {
 
 constexpr int kMaxGridPoints = 200000;
-constexpr int kMargin = 2;  // Grid points.
+constexpr int kMargin = 2;  // In grid points.
 constexpr int kMaxSweeps = 12;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 

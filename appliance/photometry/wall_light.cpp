@@ -29,7 +29,7 @@ struct Sample {
   const ProjectorView* view = nullptr;
   CellLight light;
   double log_white = 0.0;
-  Eigen::Vector3d by_radius = Eigen::Vector3d::Zero();  ///< r^2, r^4, r^6.
+  Eigen::Vector3d by_radius = Eigen::Vector3d::Zero();  ///< r^2, r^4, r^6; see WallLighting::vignetting.
   double trust = 1.0;                                   ///< Weight relative to other views of the same cell.
   double weight = 1.0;
 

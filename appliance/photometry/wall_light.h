@@ -37,7 +37,7 @@ struct WallLighting {
       Eigen::Vector3d::Zero();  ///< Camera's log(light): coefficients of r^2, r^4, r^6; r is 1 in a corner.
   /// False if no cell was seen from two stops; the camera's vignetting is then attributed to the projectors.
   bool has_vignetting = false;
-  double unexplained = 0.0;  ///< Relative RMS of white's readings about the model.
+  double unexplained = 0.0;  ///< Relative RMS difference of white's readings from the model.
 
   /// Returns the ambient light in a direction; never negative.
   [[nodiscard]] Eigen::Vector3d ambient_at(const Eigen::Vector3d& direction) const;

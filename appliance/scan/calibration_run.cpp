@@ -20,7 +20,7 @@ constexpr double kLightPart = 0.9;
 constexpr double kSolvePart = 0.94;
 constexpr double kSeamPart = 0.98;
 
-/// Adds the maps of the calibration, which the light scan lacked, and computes the photometry.
+/// Adds the calibration's maps to the scanned light, and computes the photometry.
 Result<photometry::Photometry> photometry_of(LightScan light, const calibration::Calibration& calibration) {
   for (const calibration::CalibratedProjector& projector : calibration.projectors)
     light.input.projectors.push_back({projector.name, projector.map});
@@ -44,7 +44,8 @@ std::optional<photometry::FollowedLight> light_of_before(const std::filesystem::
                                                          const std::optional<calibration::Calibration>& previous,
                                                          const calibration::Calibration& calibration) {
   if (!previous) return std::nullopt;
-  // Projectors that did not move light the wall as before; for a moved one the solid angle gives the change of light.
+  // Projectors that did not move light the wall as before; for a displaced projector the solid angle gives the change
+  // of light.
   auto followed =
       photometry::follow_light(calibration::calibration_folder(folder, previous->date), previous->projectors,
                                calibration.projectors, [](const Eigen::Vector3d&) { return 1.0; });

@@ -10,8 +10,8 @@
 
 namespace cyclorama::scan {
 
-/// Adapts a camera of drivers/camera to ScanCamera. Such a camera takes its exposure when it is opened, so a change of
-/// exposure reopens it, which takes about a second and happens a few times in a scan. Thread-bound.
+/// Adapts a camera of drivers/camera to ScanCamera. Such a camera has a fixed exposure while it is open, so a change of
+/// exposure reopens it. This takes about a second and happens a few times in a scan. Thread-bound.
 class FrameScanCamera final : public ScanCamera {
  public:
   /// Opens the camera with a given exposure, fixed gain and fixed white balance; in colour if the camera has colour.

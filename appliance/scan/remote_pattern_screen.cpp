@@ -15,12 +15,12 @@
 
 namespace cyclorama::scan {
 namespace {
-/// Longer than a refresh with the decoding of a PNG of some megabytes, and than the ten seconds after which a display
+/// Must exceed the time for decoding a PNG of some megabytes and a refresh, and the ten seconds after which a display
 /// reports a missing head.
 constexpr Duration kAnswerTimeout = std::chrono::seconds(15);
 }  // namespace
 
-/// The stream of one display. A blocking read has no deadline, so a watchdog thread cancels the call when one passes.
+/// The stream of one display. A blocking read has no deadline, so a watchdog thread cancels a call that takes too long.
 class RemotePatternScreen::Stream {
  public:
   static Result<std::unique_ptr<Stream>> open(const std::string& address) {

@@ -13,7 +13,7 @@
 
 namespace cyclorama::scan {
 
-/// Observed direction of a projector's pixel, and the error of the projector's map there in projector pixels.
+/// Observed direction of a projector's pixel, and the map's error at this pixel, in projector pixels.
 struct WallResidual {
   std::size_t projector = 0;  ///< Index in Calibration::projectors.
   Eigen::Vector3d direction;  ///< Eye frame, unit length.

@@ -41,7 +41,7 @@ class ScanCamera {
   [[nodiscard]] virtual int height_px() const = 0;
   /// False for a grey camera, whose photographs have the same values in all channels.
   [[nodiscard]] virtual bool has_colour() const = 0;
-  /// Step between adjacent camera codes as a fraction of the largest code; assumes 8 bits unless overridden.
+  /// Returns the step between adjacent camera codes as a fraction of the largest code; the default is that of 8 bits.
   [[nodiscard]] virtual double code_step() const { return 1.0 / 255.0; }
   /// Takes a photograph that was exposed entirely after the call began. Values are the sensor's codes divided by the
   /// largest code. Errors: kInvalidArgument if the camera cannot use this exposure; kTimedOut and kUnavailable are

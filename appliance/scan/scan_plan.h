@@ -37,10 +37,10 @@ struct ScanPlanOptions {
   double preferred_overlap = 0.5;  ///< Preferred overlap if there is a choice.
 };
 
-/// Returns evenly spaced directions, at least two, because one alone cannot determine the camera's pose. The camera is
-/// assumed to stand at the sweet spot; the rim of its picture is not used, since nothing stands exactly as planned.
-/// Errors: kInvalidArgument, with the remedy, if no projector lights the wall or the camera sees too little of the lit
-/// wall. Reentrant.
+/// Returns evenly spaced directions, at least two, because a single direction cannot determine the camera's pose. The
+/// camera is assumed to stand at the sweet spot; the rim of its picture is not used, since nothing stands exactly as
+/// planned. Errors: kInvalidArgument, with the remedy, if no projector lights the wall or the camera sees too little of
+/// the lit wall. Reentrant.
 Result<ScanPlan> plan_scan(const Installation& installation, const ScanPlanOptions& options);
 
 }  // namespace cyclorama::scan

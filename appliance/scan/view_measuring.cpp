@@ -17,7 +17,7 @@ namespace {
 constexpr double kMinLitShare = 0.002;
 constexpr int kMaxExposures = 12;
 // Maximum relative difference between a pattern plus its inverse and white plus black. They would be equal without the
-// response curves of cameras, which cause a sixth at most.
+// cameras' response curves, which cause a difference of at most a sixth.
 constexpr float kUneven = 0.3f;
 constexpr float kUnevenCodes = 0.03f;
 constexpr float kLitGain = 0.05f;

@@ -35,7 +35,7 @@ struct ScanSettings {
   double pitch_rad = 0.0;             ///< Approximate upward tilt of the camera.
   double turntable_sigma_rad = 1e-3;  ///< Standard deviation of the turntable's angles.
   ViewSettings view{};
-  int directions = 0;           ///< See ScanPlanOptions.
+  int directions = 0;           ///< See ScanPlanOptions::directions.
   double max_disturbed = 0.02;  ///< Fraction of the lit pixels above which the view is measured once more.
   bool resume = false;
   bool with_seams = true;  ///< Photographs the seams for the report, which takes some seconds.

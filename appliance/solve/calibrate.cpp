@@ -18,8 +18,8 @@ constexpr double kWallFloor_px = 0.05;  // Added to a sample's sigma: residual e
 // An old map stays valid if its error on new measurements is at most this multiple of the new map's error on left-out
 // ones; such errors scatter by some percent over some hundred correspondences.
 constexpr double kStillRight = 1.1;
-// Largest ratio of these errors at which all old maps together may be kept. The old maps' systematic error is then at
-// most three quarters of the new maps' scatter, since 1.25² = 1 + 0.75².
+// Largest ratio of the old maps' errors to the new maps' at which all old maps may be kept together. The old maps'
+// systematic error is then at most three quarters of the new maps' scatter, since 1.25² = 1 + 0.75².
 constexpr double kHardlyWorse = 1.25;
 /// A smaller ratio of registrations is within the scatter of single correspondences, and no evidence of motion.
 constexpr double kRegistersAsWell = 1.02;
@@ -294,7 +294,7 @@ calibration::MeasuredMap seen_from(const calibration::MeasuredMap& map, const ca
   for (Eigen::Vector3d& direction : moved.directions) {
     if (!direction.allFinite()) continue;
     const auto inverse_depth = wall.inverse_depth_at(direction);
-    // direction / inverse_depth - eye, times the inverse depth, which may be 0.
+    // This is (direction / inverse_depth - eye) times the inverse depth, which may be 0.
     const Eigen::Vector3d seen = direction - inverse_depth.value_or(0.0) * eye_m;
     if (inverse_depth && seen.norm() > 1e-9) {
       direction = seen.normalized();

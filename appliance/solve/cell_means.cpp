@@ -8,7 +8,7 @@
 namespace cyclorama::solve {
 namespace {
 
-constexpr int kCellsPerPatch = 4;  // Per axis: the wall is nearly linear over so many cells.
+constexpr int kCellsPerPatch = 4;  // Per axis; over this many cells the wall is nearly flat.
 constexpr std::size_t kMinPixelsInPatch = 8;
 constexpr int kMinPixelsInCell = 3;
 constexpr double kMadToSigma = 1.4826;

@@ -32,8 +32,8 @@ class DampedProblem {
 
 struct DampedOptions {
   int max_steps = 50;
-  double function_tolerance = 1e-7;   ///< Relative change of the cost below which it has converged.
-  double parameter_tolerance = 1e-8;  ///< The same for Attempt::relative_change.
+  double function_tolerance = 1e-7;   ///< Relative change of the cost that counts as convergence.
+  double parameter_tolerance = 1e-8;  ///< Attempt::relative_change that counts as convergence.
 };
 
 /// Minimises until convergence (Levenberg-Marquardt) or `max_steps`, and returns the final cost; nothing if the initial

@@ -10,7 +10,7 @@ namespace cyclorama::solve {
 namespace {
 
 constexpr double kScaleSigma = 1e-5;  // Relative; tight, since the scale is a gauge freedom and not measured.
-constexpr double kMinDepth = 1e-4;    // Minimum depth in front of the projector, relative to its distance from the eye.
+constexpr double kMinDepth = 1e-4;    // Minimum depth relative to the point's distance from the eye.
 
 }  // namespace
 

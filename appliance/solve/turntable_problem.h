@@ -30,7 +30,7 @@ struct TurntableHints {
   /// Returns the direction of a projector's pixel in an earlier calibration; nothing if there is none. The rotation
   /// between the two calibrations is estimated.
   std::function<std::optional<KnownDirection>(std::size_t projector, const Eigen::Vector2d& pixel)> known{};
-  const calibration::Surface* wall = nullptr;  ///< Fitted to an earlier solution; may be null. Borrowed for the call.
+  const calibration::Surface* wall = nullptr;  ///< Wall fitted to an earlier solution; may be null. Borrowed.
 };
 
 /// Inverse distance of the wall in 1/m, with a small positive lower bound.

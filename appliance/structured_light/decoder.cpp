@@ -150,8 +150,8 @@ void Decoder::add_pair(const PatternPicture& picture, const Photo& pattern, cons
 }
 
 double Decoder::measured_noise(const Image<float, 1>& amplitude) const {
-  // Pattern plus inverse should be constant, so its variance gives the noise. Only pixels that the projector lights are
-  // used, since others are not decoded.
+  // The sum of pattern and inverse should be constant, so the variance of the sum gives the noise. Only pixels that the
+  // projector lights are used, since others are not decoded.
   std::vector<float> variances;
   const std::size_t count = amplitude.data().size();
   const std::size_t every = std::max<std::size_t>(1, count / 50000);

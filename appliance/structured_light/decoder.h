@@ -18,7 +18,7 @@ namespace cyclorama::structured_light {
 /// calibration-real` prints.
 struct DecodeSettings {
   double saturated = 0.98;  ///< Clipping level of the white picture, in units of Photo.
-  double darkest = 0.04;    ///< In units of Photo; less direct light, or less than 3 sigma, is none.
+  double darkest = 0.04;    ///< Minimum direct light, in units of Photo; at least 3 sigma.
   /// Direct light below this fraction of the amplitude counts as none: the pixel is lit by way of other surfaces or of
   /// a second pane. With XOR codes, which suppress this light, 0.1 suffices.
   double min_direct_share = 0.6;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Pictures that a projector shows so that the projector pixel that each camera pixel sees can be found.
+/// Pictures for a projector, by which a camera's pixels are matched to the projector's pixels.
 ///
 ///   white  black │ bit 9  its inverse  bit 8  its inverse …  bit 0  its inverse │ phase 0 … N-1 │ then rows
 ///   ▓▓▓▓   ░░░░  │ ▓▓░░   ░░▓▓         ▓░░▓   ░▓▓░           the finest stripes: 2 pixels wide

@@ -20,7 +20,8 @@ enum class Area {
 /// Occlusions in one camera's picture, per patch, estimated from how well predictions fitted over time. A value.
 class AreaMap {
  public:
-  /// Precondition: the same patches, in the same order, each time.
+  /// Updates the estimates with the patches of one picture. Precondition: each call has the same patches, in the same
+  /// order.
   void update(std::span<const PatchShift> patches);
   /// Discards the estimates, because the prediction has changed.
   void restart() { doubts_.clear(); }

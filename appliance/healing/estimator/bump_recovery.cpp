@@ -15,11 +15,11 @@ constexpr double kLostBelow = 0.35;   // A projector is lost if a smaller share 
 constexpr double kFoundAbove = 0.45;  // Minimum share of fitting patches at an accepted pose.
 constexpr int kMinFits = 10;
 constexpr std::size_t kMinEdges = 8;
-constexpr double kNoisiest = 6.0;   // Maximum noise of the residuals, in expected deviations.
-constexpr double kSurest_px = 1.0;  // Maximum deviation of a new pose.
+constexpr double kNoisiest = 6.0;   // Maximum noise of the residuals, relative to the expected noise.
+constexpr double kSurest_px = 1.0;  // Maximum standard deviation of a new pose.
 constexpr double kCoarseSigma_px = 3.0;
 constexpr double kFeatureSigma_px = 4.0;
-constexpr int kFeatureSearchEvery = 4;  // Features are matched in each of the first attempts, then in every fourth.
+constexpr int kFeatureSearchEvery = 4;  // Features are matched in the first four attempts, then in every fourth.
 constexpr double kCaution = 4.0;        // Factor on the solver's variance of a new pose, since patches share errors.
 
 std::vector<calibration::PoseStep> no_starts(std::size_t bodies) {
@@ -222,7 +222,7 @@ bool ContinuousCalibrator::State::have_reference(std::span<const BodyIndex> move
                                                  std::span<const CameraObservation> of) const {
   if (is_calm) return true;
   return std::ranges::all_of(movers, [&](BodyIndex mover) {
-    // A camera that turned and one whose clock is wrong look alike while the picture turns.
+    // While the content moves, a turned camera and a camera with a wrong clock look alike.
     if (mover >= projectors()) return false;
     return std::ranges::any_of(of, [&](const CameraObservation& look) {
       const std::vector<PatchTally> tallies = tally(look.patches, projectors());

@@ -28,13 +28,13 @@ struct CameraObservation {
   std::vector<PatchShift> patches;
   std::vector<EdgeObservation> edges;
   double blown = 0.0;      ///< Share of overexposed pixels.
-  double motion_px = 0.0;  ///< Motion of the shown content, for the fastest projector.
+  double motion_px = 0.0;  ///< Largest motion of the shown content, over the projectors.
 };
 
 /// Predicts what one camera sees of the show, and caches everything that depends only on poses. Thread-bound.
 class CameraMonitor {
  public:
-  /// Precondition: room.cameras[camera] exists. `width_px`: approximate width of the reduced pictures.
+  /// `width_px` is the approximate width of the reduced pictures. Precondition: room.cameras[camera] exists.
   CameraMonitor(const calibration::ShowCalibration& room, std::size_t camera, int width_px,
                 const PatchOptions& patches);
 

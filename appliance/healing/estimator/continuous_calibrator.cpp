@@ -14,7 +14,7 @@
 namespace cyclorama::healing {
 namespace {
 
-constexpr double kProjectorTurn_rad = 3e-4;  // Initial deviations: residuals of a scan.
+constexpr double kProjectorTurn_rad = 3e-4;  // Initial standard deviations: residuals of a scan.
 constexpr double kProjectorShift_m = 1e-3;
 constexpr double kCameraTurn_rad = 5e-4;
 constexpr double kCameraShift_m = 2e-3;
@@ -27,7 +27,7 @@ constexpr int kStubborn = 6;
 constexpr double kMaxFollowed_px = 1.0;
 constexpr int kMinPatches = 12;
 constexpr int kSearchesSeveralTimes = 8;
-constexpr double kDarkest = 0.004;  // Predicted mean light, as a share of the camera's full scale.
+constexpr double kDarkest = 0.004;  // Minimum predicted mean light, as a share of the camera's full scale.
 constexpr Duration kLearnsStillWithin = std::chrono::seconds(30);
 constexpr Duration kRealignsFor = std::chrono::seconds(10);
 constexpr double kRealignsFrom_px = 0.05;
@@ -191,7 +191,7 @@ void ContinuousCalibrator::State::settle(TimePoint now) {
   // seconds.
   if (learned < kMinLearnedSteps && now < *begun_at + kSettlesWithin) return;
   is_settled = true;
-  // The values learned so far are the scan's own error, not a change.
+  // The steps learned so far are the scan's residuals, not a displacement.
   for (std::size_t i = 0; i < projectors(); ++i) {
     const calibration::PoseStep change =
         calibration::step_between(scanned.projectors[i].T_room_projector, applied.projectors[i].T_room_projector);

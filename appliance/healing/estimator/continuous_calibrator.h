@@ -17,7 +17,7 @@ namespace cyclorama::healing {
 struct ShowMoment {
   TimePoint now;
   std::vector<ShownPicture> shown;
-  std::vector<ShownUntil> until;    ///< Per projector; a projector without new knowledge may be absent.
+  std::vector<ShownUntil> until;    ///< At most one per projector.
   std::vector<CameraPicture> seen;  ///< At most one per camera.
 };
 
@@ -31,9 +31,9 @@ enum class HoldReason {
   kFast,
   kBlown,
   kInTheWay,
-  kNoLight,    ///< Its part of the wall is dark and should not be.
+  kNoLight,    ///< The projector's part of the wall is dark and should not be.
   kSearching,  ///< Something moved, and no pose explains it yet.
-  kUnplaced,   ///< The calibration lacks its pose.
+  kUnplaced,   ///< The calibration has no pose of the projector.
 };
 [[nodiscard]] std::string_view name_of(HoldReason hold);
 
@@ -43,16 +43,16 @@ struct Correction {
   RigidTransform<frame::Room, frame::Projector> before;
   RigidTransform<frame::Room, frame::Projector> after;
   double moved_px = 0.0;  ///< Root mean square over its picture.
-  double sigma_px = 0.0;  ///< Deviation of the new pose.
+  double sigma_px = 0.0;  ///< Standard deviation of the new pose.
   bool is_bump = false;   ///< True for a bump, false for drift.
 };
 
 struct ProjectorHealth {
   HoldReason hold = HoldReason::kSettling;
   std::string reason;       ///< For operators; empty while all is well.
-  double off_px = 0.0;      ///< Distance between the believed and the applied pose, in pixels on the wall.
-  double sigma_px = 0.0;    ///< Deviation of that distance.
-  bool wants_scan = false;  ///< Not measured for so long that a scan is needed, or without a pose.
+  double off_px = 0.0;      ///< Distance between the believed and the applied pose, in the calibration's pixels.
+  double sigma_px = 0.0;    ///< Standard deviation of `off_px`.
+  bool wants_scan = false;  ///< True if it has no pose, or was not measured for too long.
 };
 
 struct ShowReport {
@@ -65,8 +65,8 @@ struct ShowReport {
 
 struct ContinuousOptions {
   int width_px = 816;         ///< Approximate width of the reduced camera pictures.
-  PatchOptions patches = {};  ///< Spacing and size of the patches that are compared, among others.
-  double min_sigma_px = 0.3;  ///< Lower bound of an observation's deviation, in the calibration's pixels.
+  PatchOptions patches = {};  ///< Spacing, size and limits of the patches that are compared.
+  double min_sigma_px = 0.3;  ///< Lower bound of an observation's sigma, in the calibration's pixels.
   /// Factor by which the calibration's pictures are smaller than the projectors', each way.
   double pixels = 1.0;
   /// In the projectors' pixels. Smaller drift is not corrected, since the correction would be more visible than the
@@ -107,7 +107,7 @@ struct LearnedRoom {
 /// that no refresh waits for.
 class ContinuousCalibrator {
  public:
-  /// Errors: those of ShowCalibration::validate().
+  /// Starts with a new calibration. Errors: those of ShowCalibration::validate().
   static Result<ContinuousCalibrator> make(const calibration::ShowCalibration& calibration,
                                            const ContinuousOptions& options = {});
   /// Resumes the state of another calibrator: `applied` has the poses for which displays draw, `learned` is the other

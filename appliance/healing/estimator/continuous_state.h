@@ -29,7 +29,7 @@ struct ContinuousCalibrator::State {
   std::vector<bool> is_creeping;         ///< Per projector: small innovations add up to more than drift.
   std::vector<bool> is_refused;          ///< Per body: a displacement was detected, but no pose was accepted.
   std::vector<double> seems_off_px;      ///< Per projector: distance to the last solution's pose.
-  std::vector<bool> is_unanchored;       ///< Per projector: it, or the only camera that sees it, moved.
+  std::vector<bool> is_unanchored;       ///< Per projector: the only camera that sees it may have moved instead.
   std::vector<bool> is_noticed;          ///< Per projector: it was reported as displaced, and not found again since.
   std::vector<CameraMonitor> cameras;
   std::vector<AreaMap> areas;
@@ -43,7 +43,7 @@ struct ContinuousCalibrator::State {
   std::optional<TimePoint> begun_at;
   std::optional<TimePoint> stepped_at;
   bool is_settled = false;
-  int learned = 0;  ///< Steps that added knowledge.
+  int learned = 0;  ///< Number of steps that updated the filters.
   bool wants_realignment = false;
   std::optional<TimePoint> realigns_until;
   int fruitless = 0;  ///< Successive searches without result.
@@ -75,11 +75,10 @@ struct ContinuousCalibrator::State {
   [[nodiscard]] std::vector<PatchObservation> trusted_observations() const;
   [[nodiscard]] std::vector<EdgeObservation> edges(std::span<const CameraObservation> of) const;
   [[nodiscard]] std::vector<BodyPrior> priors() const;
-  /// Returns priors(), except that projectors are loose: beside a tight prior, a robust loss would treat a bump as
-  /// outliers.
+  /// Returns priors(), but with loose_information() for projectors: with a tight prior, a robust loss would treat a
+  /// bump as outliers.
   [[nodiscard]] std::vector<BodyPrior> loose_projectors() const;
-  /// Returns pairs of a camera and a projector whose light hardly fits in its picture although many patches were
-  /// compared.
+  /// Returns the pairs (camera, projector) for which many patches were compared and few fit.
   [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> lost() const;
   /// Tries explanations of the observations, the cheapest to compute first. Returns whether one was found, verified and
   /// accepted.
@@ -94,8 +93,7 @@ struct ContinuousCalibrator::State {
   /// Returns, per body, whether its displacement can be told from that of another body. For a camera that sees only one
   /// projector's light, a displacement of the camera and one of the projector look alike.
   [[nodiscard]] std::vector<bool> anchored(std::span<const CameraObservation> of) const;
-  /// Returns whether all of `movers` are anchored(); sets is_unanchored for the projectors that may have moved
-  /// otherwise.
+  /// Returns whether all of `movers` are anchored(); otherwise sets is_unanchored for the projectors in question.
   bool are_anchored(std::span<const BodyIndex> movers, std::span<const CameraObservation> anew);
   /// Accepts all movers, or else the first one that can be accepted alone, so that a projector whose light has left the
   /// wall does not block the others.

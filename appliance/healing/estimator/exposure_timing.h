@@ -16,7 +16,7 @@ namespace cyclorama::healing {
 inline constexpr Duration kTimeDoubt = std::chrono::milliseconds(20);
 
 struct ExposureTiming {
-  bool is_its_own = false;  ///< At least one projector, and half of those with a result, fit best at the time stamp.
+  bool is_its_own = false;  ///< True if at least half of the projectors' results favour the time stamp.
   int towards = 0;          ///< -1 if all results favour earlier content, 1 if later content, else 0.
 };
 /// Compares the patches of three predictions: for the time stamp (`said`), an earlier and a later time. Reentrant.

@@ -10,7 +10,7 @@ namespace cyclorama::healing {
 namespace {
 
 constexpr int kMaxFeatures = 1500;
-constexpr float kRatio = 0.8f;      // Lowe, IJCV 60 (2), 2004.
+constexpr float kRatio = 0.8f;      // Maximum ratio of distances. Source: Lowe, IJCV 60 (2), 2004.
 constexpr double kInlier_px = 8.0;  // In pixels of the projector or the camera; patches refine the pose afterwards.
 constexpr int kMinInliers = 12;
 

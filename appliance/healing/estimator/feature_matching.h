@@ -25,7 +25,7 @@ struct FeatureMatches {
   int in_prediction = 0;              ///< Number of features found in the prediction.
   int in_picture = 0;
 };
-/// Errors: kBadData if OpenCV fails.
+/// Matches features of a prediction and a picture. Errors: kBadData if OpenCV fails.
 Result<FeatureMatches> match_features(const Prediction& prediction, const LightPlane& picture, FeatureKind kind);
 
 /// Returns the step from a projector's believed pose to the one that fits most of its observations; empty if fewer than

@@ -19,7 +19,7 @@ struct LightPlane {
 
   [[nodiscard]] int width() const { return light.width(); }
   [[nodiscard]] int height() const { return light.height(); }
-  /// Samples bilinearly between pixels' centres; 0 beyond the edges. x, y in this plane's pixels, from its corner.
+  /// Returns the light at x, y (in this plane's pixels, from its corner), interpolated bilinearly; 0 beyond the edges.
   [[nodiscard]] float at(float x, float y) const;
 };
 

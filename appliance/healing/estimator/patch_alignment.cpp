@@ -10,8 +10,8 @@ namespace cyclorama::healing {
 namespace {
 
 constexpr double kCorrelation = 4.0;  // Factor on the variance: sampling and softening correlate neighbouring pixels.
-constexpr double kPriorPx = 3.0;      // Prior deviation of the shift, for patches without gradient in a direction.
-constexpr double kFloorPx = 0.02;     // Minimum deviation of a patch, from sampling.
+constexpr double kPriorPx = 3.0;      // Prior sigma of the shift; decides where a patch has no gradient.
+constexpr double kFloorPx = 0.02;     // Minimum sigma of a shift, due to sampling.
 constexpr double kSettledPx = 0.003;
 
 /// A patch of the prediction, prepared for the search.

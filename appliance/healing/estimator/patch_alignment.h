@@ -16,7 +16,7 @@ namespace cyclorama::healing {
 
 enum class PatchFit {
   kFits,     ///< Found within PatchOptions::max_shift_px of its predicted position.
-  kDiffers,  ///< Nothing similar is there.
+  kDiffers,  ///< Nothing similar was found.
   kPlain,    ///< Contains no detail to compare.
   kShared,   ///< Not comparable: several projectors' light, the wall's or picture's edge, or repeating content.
 };

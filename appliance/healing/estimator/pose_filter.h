@@ -21,9 +21,9 @@ namespace cyclorama::healing {
 /// reentrant.
 class PoseFilter {
  public:
-  /// Deviation of the random walk per square root of a second: 0.06 px at 1080p in a minute, in which a lamp that warms
-  /// up causes a drift of about 0.1 px. A larger walk would make the mean less certain. A settling screw moves faster,
-  /// and is detected as a bump.
+  /// Standard deviation of the random walk after one second; it grows with the square root of time: 0.06 px at 1080p in
+  /// a minute, in which a lamp that warms up causes a drift of about 0.1 px. A larger walk would make the mean less
+  /// certain. A settling screw moves faster, and is detected as a bump.
   struct Walk {
     double turn_rad = 5e-6;
     double shift_m = 1e-5;
@@ -37,7 +37,7 @@ class PoseFilter {
     calibration::PoseStep step = calibration::PoseStep::Zero();
     calibration::PoseMatrix information = calibration::PoseMatrix::Zero();
   };
-  /// Squared length of the innovation in deviations, and its number of directions.
+  /// Squared length of the innovation in standard deviations, and its number of directions.
   struct Innovation {
     double squared = 0.0;
     int directions = 0;
@@ -45,7 +45,7 @@ class PoseFilter {
   [[nodiscard]] Innovation innovation(const Measured& measured) const;
   /// Returns the step to apply to the believed pose.
   calibration::PoseStep update(const Measured& measured);
-  /// Returns the squared distance, in deviations, of a step from the believed pose.
+  /// Returns the squared length of a step from the believed pose, in standard deviations.
   [[nodiscard]] double squared_deviations(const calibration::PoseStep& step) const;
   /// Restarts at a new believed pose with this covariance.
   void restart(const calibration::PoseMatrix& covariance);
@@ -58,14 +58,14 @@ class PoseFilter {
   calibration::PoseStep walk_ = calibration::PoseStep::Zero();
 };
 
-/// Returns the squared length, in deviations, that an undisturbed innovation in `directions` directions exceeds as
-/// rarely as a normal variable exceeds `normal` deviations: for 6, once in about 10^9. Source: Wilson and Hilferty's
-/// cube root, Proc. Nat. Acad. Sci. 17, 1931.
+/// Returns the squared length that an undisturbed innovation in `directions` directions exceeds as rarely as a normal
+/// variable exceeds `normal` standard deviations: for 6, once in about 10^9. Source: Wilson and Hilferty's cube root,
+/// Proc. Nat. Acad. Sci. 17, 1931.
 [[nodiscard]] double innovation_limit(int directions, double normal = 6.0);
 
 /// The last innovations of one body. Several in a row that are each inconspicuous can be significant together, as after
 /// a bump of half a pixel that a filter with a large covariance would follow for seconds. In undisturbed simulated
-/// museums their squared lengths were at most 2 for 6 directions; the limit for a sum of eight is 17 on average. A
+/// museums their squared lengths were at most 2 for 6 directions; the limit for eight together is 17 per innovation. A
 /// value.
 class InnovationWindow {
  public:

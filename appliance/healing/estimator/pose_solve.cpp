@@ -16,7 +16,7 @@
 namespace cyclorama::healing {
 namespace {
 
-constexpr double kLossWidth = 2.5;              // In deviations.
+constexpr double kLossWidth = 2.5;              // In standard deviations.
 constexpr double kStages[] = {40.0, 8.0, 1.0};  // Factors on the loss's width.
 // Minimum decrease of the cost for one more moving body: many times the decrease that six parameters cause by chance.
 constexpr double kMinMoveGain = 40.0;
@@ -180,7 +180,7 @@ class PoseProblem {
 };
 
 int rank_of(const calibration::PoseMatrix& information) {
-  // Scales turns and shifts to units of a loose body's deviations.
+  // Scales turns and shifts to units of a loose body's standard deviations.
   calibration::PoseStep unit;
   unit << kLooseTurn_rad, kLooseTurn_rad, kLooseTurn_rad, kLooseShift_m, kLooseShift_m, kLooseShift_m;
   const calibration::PoseMatrix scaled = unit.asDiagonal() * information * unit.asDiagonal();

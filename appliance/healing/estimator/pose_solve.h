@@ -31,18 +31,18 @@ struct BodySolution {
   calibration::PoseMatrix covariance = calibration::PoseMatrix::Zero();  ///< Covariance of the step, prior included.
   /// Information from the measurements alone, marginal over all other bodies.
   calibration::PoseMatrix information = calibration::PoseMatrix::Zero();
-  /// Number of directions of `information` that are known to better than a tenth of a loose body's deviation.
+  /// Number of directions of `information` that are known to better than a tenth of a loose body's standard deviation.
   int rank = 0;
 };
 
 struct PoseSolution {
   std::vector<BodySolution> bodies;  ///< Projectors, then cameras.
   double cost = 0.0;                 ///< Half the sum of the robust losses.
-  double noise = 1.0;                ///< Robust deviation of the residuals relative to the expected one; at least 1.
+  double noise = 1.0;                ///< Robust standard deviation of the normalised residuals; at least 1.
   std::size_t observations = 0;
 };
 
-/// Deviations of a loose body's pose: the extent of a bump.
+/// Prior standard deviations of a loose body, whose pose is unknown to the extent of a bump.
 inline constexpr double kLooseTurn_rad = 0.2;
 inline constexpr double kLooseShift_m = 0.3;
 [[nodiscard]] calibration::PoseMatrix loose_information();

@@ -49,21 +49,22 @@ struct LitPart {
   bool is_placed = true;  ///< False if the position of the projector's light is too uncertain.
 };
 [[nodiscard]] LitPart lit_part(const SeenWall& seen, const calibration::ShowProjector& projector);
-/// Returns the median number of a projector's pixels per pixel of the camera; 1 if it lights none.
+/// Returns the median number of a projector's pixels per pixel of the camera; 1 if the projector lights no pixel.
 [[nodiscard]] double footprint_px(const SeenWall& seen, const LitPart& lit);
 
-/// Owner of a pixel's light, if not a projector.
+/// Values of Prediction::owner for pixels that no projector owns.
 inline constexpr std::int8_t kUnlit = -1;
 inline constexpr std::int8_t kOverlap = -2;
 inline constexpr std::int8_t kBesideWall = -3;
-/// Share of a pixel's light from which on one projector owns the pixel.
+/// A projector owns a pixel if at least this share of the pixel's light is its light.
 inline constexpr float kOwnShare = 0.85f;
 
 struct Prediction {
   LightPlane light;             ///< The predicted light, after soften().
   Image<std::int8_t, 1> owner;  ///< Index of a projector, or kUnlit, kOverlap or kBesideWall.
 };
-/// `lit` and `shone` have one element per projector; a plane without pixels stands for a lamp that is off.
+/// Predicts one picture. `lit` and `shone` have one element per projector; a plane without pixels stands for a lamp
+/// that is off.
 [[nodiscard]] Prediction predict(const SeenWall& seen, std::span<const LitPart> lit, std::span<const LightPlane> shone,
                                  int factor);
 

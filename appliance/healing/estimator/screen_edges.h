@@ -14,13 +14,13 @@ namespace cyclorama::healing {
 /// Expected position of a point of the outline, from the camera's believed pose.
 struct EdgePoint {
   Outline part = Outline::kUpper;
-  Eigen::Vector2d at{0.0, 0.0};       ///< Camera pixels.
+  Eigen::Vector2d at{0.0, 0.0};       ///< In camera pixels.
   Eigen::Vector2d outward{0.0, 0.0};  ///< Unit length, away from the wall.
   /// Derivative of the point's motion along `outward` with respect to the camera's step.
   Eigen::Matrix<double, 1, 6> by_camera = Eigen::Matrix<double, 1, 6>::Zero();
 };
 
-/// Returns about one point per 16 pixels of the reduced picture. Called once per pose.
+/// Returns points of the outline, about one per 16 pixels of the reduced picture.
 [[nodiscard]] std::vector<EdgePoint> edge_points(const Wall& wall, const calibration::ShowCamera& camera,
                                                  const CameraSlopes& slopes, const SeenWall& seen);
 

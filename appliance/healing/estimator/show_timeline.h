@@ -15,7 +15,7 @@ namespace cyclorama::healing {
 struct ShownPicture {
   std::size_t projector = 0;
   TimePoint lit_at;                         ///< Presentation time plus the projector's latency.
-  std::shared_ptr<const RgbImage> picture;  ///< Null: the lamp is off.
+  std::shared_ptr<const RgbImage> picture;  ///< Null while the lamp is off.
   std::uint64_t number = 0;                 ///< Increases by one with each picture of this projector, reported or not.
 };
 
@@ -43,8 +43,8 @@ class ShowTimeline {
   };
   /// Returns the light during an exposure; empty if not all of its pictures are known.
   std::optional<Exposed> between(TimePoint opened, TimePoint closed);
-  /// True if the shown pictures did not visibly differ from `from` to `until` and, as far as is known, since. False if
-  /// a picture of that time is not known.
+  /// True if the shown pictures did not visibly differ from `from` to `until` and, as far as is known, until now. False
+  /// if a picture of that time is not known.
   bool is_still(TimePoint from, TimePoint until);
 
  private:

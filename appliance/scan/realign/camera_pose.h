@@ -34,9 +34,9 @@ struct ReferenceObservation {
 /// Returns the pose that the calibrated turntable gives the camera at `angle_rad`.
 [[nodiscard]] LocatedCamera planned_camera(const calibration::CalibratedTurntable& turntable, double angle_rad);
 
-/// Estimates the camera's pose by robust least squares, starting at `planned`. The centre is estimated only if it moved
-/// significantly (three sigma) and then predicts the left-out observations better; otherwise only the rotation is.
-/// Errors: kBadData if there are too few observations or no pose fits them. Reentrant.
+/// Estimates the camera's pose by robust least squares, starting at `planned`. A new centre is accepted only if it
+/// differs significantly (three sigma) and predicts the left-out observations better; otherwise only the rotation is
+/// estimated. Errors: kBadData if there are too few observations or no pose fits them. Reentrant.
 Result<LocatedCamera> locate_camera(const LocatedCamera& planned, std::span<const ReferenceObservation> observations);
 
 }  // namespace cyclorama::scan

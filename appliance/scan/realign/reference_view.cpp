@@ -11,7 +11,7 @@
 namespace cyclorama::scan {
 namespace {
 
-constexpr int kSteps = 4;             // Cancels the second harmonic, the strongest of a gamma curve.
+constexpr int kSteps = 4;             // Per period; cancels the second harmonic, the strongest of a gamma curve.
 constexpr float kExpected_px = 6.0f;  // Sigma of the prediction, which the sine's phase replaces where it can be read.
 constexpr float kRead_px = 1.0f;      // Maximum sigma of a phase that counts as read.
 constexpr float kSaturated = 0.98f;

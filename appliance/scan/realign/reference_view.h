@@ -23,7 +23,7 @@ struct ReferenceProjector {
   int height_px = 0;
 };
 
-/// The pixel of a reference projector that each camera pixel should see. Both images have the camera's size.
+/// Expected pixel of a reference projector for each camera pixel. Both images have the camera's size.
 struct ExpectedReferences {
   Image<float, 2> pixel_px;
   Image<std::int16_t, 1> reference;  ///< Index of the reference projector; -1: none, more than one, or not used.

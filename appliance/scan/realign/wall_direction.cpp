@@ -16,7 +16,7 @@ std::optional<Eigen::Vector3d> wall_direction_from(const Eigen::Vector3d& centre
   const double length = along.norm();
   if (!(length > 0.0) || !centre_m.allFinite() || !std::isfinite(length)) return std::nullopt;
   const Eigen::Vector3d step = along / length;
-  // Negative in front of the wall, positive behind it.
+  // Returns a value that is negative in front of the wall and positive behind it.
   const auto beyond = [&](double s) {
     const Eigen::Vector3d position = centre_m + s * step;
     const double distance = position.norm();

@@ -15,8 +15,8 @@ namespace cyclorama::healing {
 /// Thread-bound.
 class RemoteShown {
  public:
-  /// `latency` is the time from a projector's signal to its light. Errors: kInvalidArgument if a projector belongs to
-  /// no display, or to two.
+  /// Connects to the displays. `latency` is the time from a projector's signal to its light. Errors: kInvalidArgument
+  /// if a projector belongs to no display, or to two.
   static Result<std::unique_ptr<RemoteShown>> open(const std::vector<InstalledProjector>& projectors,
                                                    const std::vector<scan::PatternDisplay>& displays, int factor,
                                                    Duration latency, const Clock& clock);

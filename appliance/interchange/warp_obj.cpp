@@ -16,7 +16,7 @@ namespace {
 using Pair = std::array<double, 2>;
 using Corner = std::pair<std::uint32_t, std::uint32_t>;  ///< Vertex and texture vertex, counted from 0.
 
-constexpr std::size_t kMaxCorners = 64;  ///< Limit for one face.
+constexpr std::size_t kMaxCorners = 64;  ///< Maximum number of corners of a face.
 constexpr std::array<std::string_view, 9> kPassedOver{"vn", "vp", "o", "g", "s", "l", "p", "usemtl", "mtllib"};
 
 class ObjReader {

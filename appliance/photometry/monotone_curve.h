@@ -9,7 +9,7 @@ namespace cyclorama::photometry {
 /// "Monotone Piecewise Cubic Interpolation", SIAM J. Numer. Anal. 17 (2), 1980. A value; reentrant.
 class MonotoneCurve {
  public:
-  /// Precondition: at least two points, with increasing x.
+  /// Creates the curve through points (x, y). Precondition: at least two points, with increasing x.
   MonotoneCurve(std::vector<double> x, std::vector<double> y);
   /// Returns the curve's value; beyond the points, the value at the nearest end.
   [[nodiscard]] double at(double x) const;

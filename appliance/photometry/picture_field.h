@@ -32,7 +32,7 @@ struct FieldSample {
 /// Least-squares fit of a field with thin-plate smoothness. Movable.
 class FieldFit {
  public:
-  /// `bend` is the expected change of slope from one knot to the next.
+  /// Prepares a fit to values at `samples`. `bend` is the expected change of slope from one knot to the next.
   FieldFit(int width_px, int height_px, int knot_px, double bend, std::span<const FieldSample> samples);
   ~FieldFit();
   FieldFit(FieldFit&&) noexcept;

@@ -28,8 +28,9 @@ struct SolvedResponses {
   double residual = 0.0;  ///< RMS over the readings, as a fraction of the camera's full scale.
 };
 
-/// Errors: kInvalidArgument if a projector lacks ramps of red, green and blue, or all exposures are the same; kBadData
-/// if a projector or one of its channels has no light, or all readings are clipped or dark. Reentrant.
+/// Solves for all responses. Errors: kInvalidArgument if a projector lacks ramps of red, green and blue, or all
+/// exposures are the same; kBadData if a projector or one of its channels has no light, or all readings are clipped or
+/// dark. Reentrant.
 Result<SolvedResponses> solve_responses(const PhotometryInput& input);
 
 }  // namespace cyclorama::photometry

@@ -28,8 +28,8 @@ class FrameScanCamera final : public ScanCamera {
   [[nodiscard]] int width_px() const override { return width_px_; }
   [[nodiscard]] int height_px() const override { return height_px_; }
   [[nodiscard]] bool has_colour() const override { return has_colour_; }
-  /// Errors: those of ScanCamera::photograph(); kUnavailable also if the camera does not keep a fixed exposure, since
-  /// its photographs cannot be compared.
+  /// See ScanCamera::photograph(). Errors: kUnavailable also if the camera does not keep a fixed exposure, since its
+  /// photographs cannot be compared.
   Result<ScanPhotograph> photograph(double exposure_s) override;
   [[nodiscard]] double exposed_s(double) const override { return exposed_s_; }
 

@@ -35,7 +35,7 @@ class WallDirections {
 /// known. Borrows the arguments of create(). Reentrant.
 class TurntableSolver {
  public:
-  /// Errors: those of solve_turntable().
+  /// Chooses the tracks, and solves without an offset. Errors: those of solve_turntable().
   static Result<TurntableSolver> create(const Measurements& measurements, const CellMeans& means,
                                         const TurntableSolverOptions& options);
   /// Solves with an offset if the offset is significant and improves the prediction of left-out tracks, otherwise

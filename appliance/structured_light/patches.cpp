@@ -32,7 +32,7 @@ class Union {
 
 bool is_decoded(const Decoded& decoded, std::size_t i) { return decoded.fate.data()[i] == PixelFate::kDecoded; }
 
-/// Returns the distance between two pixels' positions: the larger one of those along the projector's two axes.
+/// Returns the distance between two pixels' positions: the maximum over the projector's two axes.
 float distance(const Decoded& decoded, std::size_t a, std::size_t b) {
   const auto positions = decoded.position_px.data();
   return std::max(std::abs(positions[2 * a] - positions[2 * b]), std::abs(positions[2 * a + 1] - positions[2 * b + 1]));

@@ -17,7 +17,7 @@ class PhaseReading {
 
   void add(int step, const Photo& photo);
   [[nodiscard]] bool is_complete() const { return steps_ > 0 && seen_ == steps_; }
-  /// Replaces positions from the bits by those from the phase where the latter are more accurate. A pixel whose two
+  /// Replaces positions from the bits by positions from the phase where these are more accurate. A pixel whose two
   /// positions differ by more than a quarter of a period loses its position.
   void refine(double noise, AxisPositions* positions) const;
 

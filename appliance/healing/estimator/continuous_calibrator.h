@@ -42,7 +42,7 @@ struct Correction {
   std::size_t projector = 0;
   RigidTransform<frame::Room, frame::Projector> before;
   RigidTransform<frame::Room, frame::Projector> after;
-  double moved_px = 0.0;  ///< Root mean square over its picture.
+  double moved_px = 0.0;  ///< Root mean square displacement over the picture.
   double sigma_px = 0.0;  ///< Standard deviation of the new pose.
   bool is_bump = false;   ///< True for a bump, false for drift.
 };

@@ -49,7 +49,7 @@ struct LightScale {
 };
 [[nodiscard]] LightScale light_scale(const Prediction& prediction, const LightPlane& picture);
 
-/// Precondition: the prediction and the picture have the same size. Reentrant.
+/// Searches all patches of a prediction in a picture. Precondition: the two have the same size. Reentrant.
 [[nodiscard]] std::vector<PatchShift> align_patches(const Prediction& prediction, const LightPlane& picture,
                                                     double gain, const PatchOptions& options = {});
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Measurements in the solver's form: projector pixels that cameras saw on the wall, and points of the wall's outline.
-/// Each has its derivative with respect to the camera's pose.
+/// Measurements for the solver: projector pixels that cameras saw on the wall, and points of the wall's outline, with
+/// their derivatives with respect to the camera's pose.
 #pragma once
 
 #include <Eigen/Core>
@@ -59,7 +59,7 @@ struct EdgeObservation {
 struct PixelMotion {
   Eigen::Matrix<double, Eigen::Dynamic, 6> by_step;  ///< Derivatives: two rows per pixel of a grid.
 
-  /// Returns the root mean square motion over the picture.
+  /// Returns the root mean square motion over the picture for a step.
   [[nodiscard]] double rms_px(const calibration::PoseStep& step) const;
   [[nodiscard]] double sigma_px(const calibration::PoseMatrix& covariance) const;
 };

@@ -21,9 +21,9 @@ namespace cyclorama::healing {
 /// reentrant.
 class PoseFilter {
  public:
-  /// Standard deviation of the random walk after one second; it grows with the square root of time: 0.06 px at 1080p in
-  /// a minute, in which a lamp that warms up causes a drift of about 0.1 px. A larger walk would make the mean less
-  /// certain. A settling screw moves faster, and is detected as a bump.
+  /// Standard deviation of the random walk after one second. After a minute it corresponds to 0.06 px at 1080p; the
+  /// warm-up of a lamp causes a drift of about 0.1 px in a minute. A larger walk would make the mean less certain. A
+  /// settling screw moves faster, and is detected as a bump.
   struct Walk {
     double turn_rad = 5e-6;
     double shift_m = 1e-5;

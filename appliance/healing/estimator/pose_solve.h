@@ -47,8 +47,8 @@ inline constexpr double kLooseTurn_rad = 0.2;
 inline constexpr double kLooseShift_m = 0.3;
 [[nodiscard]] calibration::PoseMatrix loose_information();
 
-/// Errors: kInvalidArgument if there is no observation; kBadData if the solver does not converge, or gives no finite
-/// covariance.
+/// Solves for the poses of all bodies. Errors: kInvalidArgument if there is no observation; kBadData if the solver does
+/// not converge, or gives no finite covariance.
 Result<PoseSolution> solve_poses(const calibration::ShowCalibration& room,
                                  std::span<const PatchObservation> observations, std::span<const EdgeObservation> edges,
                                  std::span<const BodyPrior> priors);
@@ -59,8 +59,8 @@ struct MovedBodies {
   std::vector<BodyIndex> bodies;
   PoseSolution solution;
 };
-/// `starts` has a step per body, zero for the believed pose. Returns at most `max` bodies. Errors: those of
-/// solve_poses().
+/// Finds the bodies that moved, at most `max`. `starts` has a step per body; zero is the believed pose. Errors: those
+/// of solve_poses().
 Result<MovedBodies> find_moved_bodies(const calibration::ShowCalibration& room,
                                       std::span<const PatchObservation> observations,
                                       std::span<const EdgeObservation> edges, std::span<const BodyPrior> priors,

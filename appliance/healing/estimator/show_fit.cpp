@@ -190,7 +190,7 @@ Result<FittedPose<frame::Camera>> place_camera(const calibration::BrownParameter
   try {
     cv::Mat turn;
     cv::Mat shift;
-    cv::theRNG().state = 1;  // A fixed seed gives the same draws for the same pixels.
+    cv::theRNG().state = 1;  // A fixed seed makes the result reproducible.
     const double within = kOutlier_px / lens.focal_u_px;
     if (!cv::solvePnPRansac(positions, slopes, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, shift, false, 2000,
                             static_cast<float>(within), 0.999, cv::noArray(), cv::SOLVEPNP_SQPNP))

@@ -19,7 +19,7 @@ struct LocatedCamera {
   Eigen::Vector3d centre_sigma_m = Eigen::Vector3d::Zero();
   bool is_elsewhere = false;  ///< True if the centre was estimated; otherwise it is that of the turntable's model.
   double rms_rad = 0.0;       ///< Per axis, over the observations used, without the worst twentieth.
-  double heldout_rad = 0.0;   ///< The same, over the observations that were left out.
+  double heldout_rad = 0.0;   ///< Like `rms_rad`, over the observations that were left out.
 };
 
 /// Observation of one point of a reference projector's light.

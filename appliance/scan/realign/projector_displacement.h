@@ -31,9 +31,9 @@ struct Displacement {
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  ///< Shift of the principal point in that trial.
 };
 
-/// `before` and `map` are of the previous calibration. `seen` holds pixels of the projector's picture with the
-/// directions in which the sweet spot sees them now. Returns nothing if there are too few observations or no pose fits
-/// them. Reentrant.
+/// Explains new observations of a projector. `before` and `map` are of the previous calibration. `seen` holds pixels of
+/// the projector's picture with the directions in which the sweet spot sees them now. Returns nothing if there are too
+/// few observations or no pose fits them. Reentrant.
 [[nodiscard]] std::optional<Displacement> find_displacement(const calibration::FittedProjector& before,
                                                             const calibration::MeasuredMap& map,
                                                             std::span<const solve::MapSample> seen,

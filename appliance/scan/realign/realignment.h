@@ -33,13 +33,14 @@ struct RealignmentOutcome {
   bool has_colours = false;     ///< True if masks and colours were carried over to the new map.
 };
 
-/// Preconditions: all other projectors have their calibrated poses, and the camera stands about where it stood during
-/// the calibration (to within a quarter of a degree beyond the turntable's error, and some centimetres). A map worse
-/// than the previous one is never taken. Errors: kNotFound if there is no calibration or it lacks that projector;
-/// kBadData, with the advice to calibrate all projectors, if the lens was turned, no displacement explains the
-/// observations, other projectors have moved too, the camera is a different one or stands elsewhere, the projector no
-/// longer overlaps another, or the calibration lacks what is needed (wall, light); kUnavailable if the projector is
-/// dark or `stop` was requested; otherwise those of measure_view() and Turntable. Blocks for about ten seconds.
+/// Measures a displaced projector anew and saves a new calibration. Preconditions: all other projectors have their
+/// calibrated poses, and the camera stands about where it stood during the calibration (to within a quarter of a degree
+/// beyond the turntable's error, and some centimetres). A map worse than the previous one is never taken. Errors:
+/// kNotFound if there is no calibration or it lacks that projector; kBadData, with the advice to calibrate all
+/// projectors, if the lens was turned, no displacement explains the observations, other projectors have moved too, the
+/// camera is a different one or stands elsewhere, the projector no longer overlaps another, or the calibration lacks
+/// what is needed (wall, light); kUnavailable if the projector is dark or `stop` was requested; otherwise those of
+/// measure_view() and Turntable. Blocks for about ten seconds.
 Result<RealignmentOutcome> realign_projector(const Installation& installation, const std::string& projector,
                                              const ScanSettings& settings, const ScanDevices& devices,
                                              const std::filesystem::path& folder, const std::string& date,

@@ -14,8 +14,8 @@
 namespace cyclorama::camera_calibration {
 namespace {
 
-constexpr std::size_t kTagsAround = 4;     // Nearest tags that predict a corner: distortion is small so close.
-constexpr double kNearTags_squares = 2.3;  // Maximum distance from a corner to the centre of such a tag.
+constexpr std::size_t kTagsAround = 4;     // Number of nearest tags that predict a corner.
+constexpr double kNearTags_squares = 2.3;  // Maximum distance of these tags' centres from the corner.
 
 struct SeenTag {
   Eigen::Vector2d middle_m = Eigen::Vector2d::Zero();
@@ -40,7 +40,7 @@ struct Expected {
   double square_px = 0.0;
 };
 
-/// Predicts the pixel of a point of the board from the nearest tags; nothing if none is near.
+/// Predicts the pixel of a point of the board from the nearest tags; returns nothing if no tag is near.
 std::optional<Expected> expected_at(const Eigen::Vector2d& at_m, double square_m, std::vector<SeenTag>* tags) {
   const auto distance = [&](const SeenTag& tag) { return (tag.middle_m - at_m).squaredNorm(); };
   const std::size_t count = std::min(kTagsAround, tags->size());
@@ -91,7 +91,7 @@ Result<LensView> find_tag_board(const GreyImage& picture, const TagBoard& board,
                              "light it evenly, and keep it still",
                              tags.size(), view.board_m.size(), kMinCorners));
   }
-  // A search window may not reach the tags, which begin at this fraction of a square.
+  // The search window must not include tags, which begin at this distance from a corner, in squares.
   const double clear = 0.5 * (1.0 - board.tag_m / board.square_m);
   const int half = std::clamp(static_cast<int>(0.9 * clear * min_patch_px), 2, 8);
   TRY_ASSIGN(const std::vector<Eigen::Vector2d> sharp, sharpened_corners(picture, view.camera_px, half));

@@ -8,20 +8,19 @@
 
 namespace cyclorama::camera_calibration {
 
-/// Description of the board to search for.
+/// Kind of board to search for.
 struct BoardKind {
   TagBoard tags{};
-  /// A board without tags: all of it must be visible; columns and rows still count squares.
+  /// True for a board without tags, all of which must be visible; `tags` gives its columns and rows, in squares.
   bool is_chessboard = false;
 };
 
-/// Errors: those of TagDetector::create().
+/// Returns a detector for find_board(). Errors: those of TagDetector::create().
 Result<tags::TagDetector> make_board_detector();
 
-/// Finds the corners of a board in one picture. With tags, part of the board suffices: tags are detected, each corner
-/// is predicted from the tags around it and refined to where four squares meet.
-/// Errors: kNotFound, with advice, if there is no such board or fewer than kMinCorners of its corners are found;
-/// otherwise those of find_chessboard().
+/// Finds the corners of a board in one picture. With tags, a part of the board suffices: each corner is predicted from
+/// the tags around it, and refined to the point where four squares meet. Errors: kNotFound, with the remedy, if no
+/// board is found, or fewer than kMinCorners of its corners; otherwise those of find_chessboard().
 Result<LensView> find_board(const GreyImage& picture, const BoardKind& kind, tags::TagDetector* detector);
 
 inline constexpr std::size_t kMinCorners = 8;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cyclorama-calibrate-camera: a camera's lens from pictures of a printed board.
+/// cyclorama-calibrate-camera: measures a camera's lens from pictures of a printed board.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -117,7 +117,7 @@ Result<Views> from_folder(const Options& options, const BoardKind& kind, const S
   return found;
 }
 
-/// Collects views that differ from the previous ones while the board is at rest.
+/// Collects views of the board at rest that differ from all previous views.
 Result<Views> from_camera(const Options& options, const BoardKind& kind, const StopSignal& stop) {
   constexpr double kStill_px = 1.0;
   const SteadyClock clock;
@@ -192,7 +192,7 @@ Status run(const Options& options, const StopSignal& stop) {
                                choice.fit.rms_px,
                                choice.heldout_rms_px};
   const std::string json = calibration::camera_json(file);
-  // Parsing rejects results that could not be read back, such as a lens that folds within the picture.
+  // Parsing rejects results that could not be read back, such as a lens whose distortion folds within the picture.
   TRY(calibration::parse_camera(json, options.out));
   TRY(write_file_atomically(options.out, std::string_view(json)));
   using L = calibration::MeasuredLens;

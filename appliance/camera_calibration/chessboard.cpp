@@ -29,11 +29,11 @@ Result<std::vector<Eigen::Vector2d>> find_chessboard(const GreyImage& photo, int
     return Error(ErrorCode::kInvalidArgument, "a chessboard has 3 to 100 inner corners each way");
   }
   try {
-    // OpenCV has no read-only view of memory.
+    // The cast is needed because OpenCV has no read-only view of memory.
     const cv::Mat image(photo.height(), photo.width(), CV_8UC1,
                         const_cast<std::uint8_t*>(photo.data().data()));  // NOLINT
     std::vector<cv::Point2f> corners;
-    // The sector-based detector is tried first: it is more accurate and finds blurred boards, but not those at a steep
+    // The sector-based detector is tried first: it is more accurate and finds blurred boards, but no boards at a steep
     // angle.
     if (!cv::findChessboardCornersSB(image, {columns, rows}, corners, cv::CALIB_CB_ACCURACY)) {
       corners.clear();

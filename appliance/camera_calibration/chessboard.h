@@ -9,18 +9,18 @@
 
 namespace cyclorama::camera_calibration {
 
-/// Returns the inner corners of a chessboard, row by row, to some hundredths of a pixel; the first pixel's centre is at
-/// (0.5, 0.5). The first corner is ambiguous: a board turned by half a turn may give the opposite order.
+/// Returns the inner corners of a chessboard, row by row, accurate to some hundredths of a pixel; the first pixel's
+/// centre is at (0.5, 0.5). The order is ambiguous: a board that is turned by 180 degrees may give the opposite order.
 ///
 /// Uses OpenCV's findChessboardCornersSB (Duda and Frese 2018), or else findChessboardCorners and cornerSubPix.
 ///
-/// Errors: kInvalidArgument for fewer than 3 corners each way; kNotFound, with advice, if there is no such board;
-/// kSystem with OpenCV's own message.
+/// Errors: kInvalidArgument for fewer than 3 corners each way; kNotFound, with the remedy, if the board is not found;
+/// kSystem with OpenCV's message.
 Result<std::vector<Eigen::Vector2d>> find_chessboard(const GreyImage& photo, int columns, int rows);
 
-/// Refines each corner to where four squares meet, from the grey levels within `half_px` each way (OpenCV's
-/// cornerSubPix). A corner that leaves its window, or has no such point, becomes NaN. Errors: those of
-/// find_chessboard().
+/// Refines each corner to the point where four squares meet, from the grey levels within `half_px` each way (OpenCV's
+/// cornerSubPix). A corner that moves by nearly `half_px` becomes NaN; a corner without contrast stays unchanged.
+/// Errors: kInvalidArgument for an empty picture or `half_px` below 2; kSystem with OpenCV's message.
 Result<std::vector<Eigen::Vector2d>> sharpened_corners(const GreyImage& photo, std::vector<Eigen::Vector2d> corners,
                                                        int half_px);
 

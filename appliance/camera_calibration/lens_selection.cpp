@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kFolds = 5;
 constexpr double kSameView = 0.02;          // Fraction of the picture's diagonal.
-constexpr double kWorstFocal = 0.02;        // Limit of sigma over focal length.
+constexpr double kWorstFocal = 0.02;        // Maximum sigma of the focal length, relative to the focal length.
 constexpr double kWorstDirection_px = 5.0;  // A lens with a larger uncertainty is refused.
 constexpr double kFineDirection_px = 0.5;   // A larger uncertainty causes a remark.
 constexpr calibration::LensModel kModels[] = {calibration::LensModel::kPinhole, calibration::LensModel::kRadial1,
@@ -46,8 +46,8 @@ struct WorstPosition {
   double sigma_px = 0.0;
 };
 
-/// Returns the largest shift of the pixel of a fixed direction within the lens's uncertainty, over steps of one sigma
-/// along each principal axis of the covariance.
+/// Returns the largest uncertainty of a direction's pixel: the shift when the lens changes by one sigma along each
+/// principal axis of the covariance.
 WorstPosition worst_position(const calibration::MeasuredLens& lens) {
   WorstPosition worst;
   const Eigen::SelfAdjointEigenSolver<calibration::MeasuredLens::Covariance> axes(lens.covariance);

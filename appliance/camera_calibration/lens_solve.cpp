@@ -21,7 +21,7 @@ namespace {
 
 using PoseBlock = std::array<double, 6>;  // Pose of the board in the camera's frame: angle-axis, then translation.
 
-constexpr double kUsual_px = 0.1;  // Assumed sigma of a corner: unit of the residuals and of the outlier threshold.
+constexpr double kUsual_px = 0.1;  // Assumed sigma of a corner: the unit of residuals.
 constexpr double kLoss_sigmas = 5.0;
 constexpr std::size_t kMinViewCorners = 8;
 
@@ -130,7 +130,7 @@ Result<LensFit> solve_lens(const std::vector<LensView>& views, int width_px, int
   const std::vector<int> held = calibration::held_parameters(model);
   std::optional<LensFit> best;
   double best_cost = 0.0;
-  // A wrong focal length may be a local minimum.
+  // Several starts, since there may be a local minimum at a wrong focal length.
   for (const double factor : factors) {
     LensFit fit;
     fit.lens = calibration::MeasuredLens::from_focal(width_px, height_px, factor * guess);
@@ -145,8 +145,8 @@ Result<LensFit> solve_lens(const std::vector<LensView>& views, int width_px, int
     for (std::size_t i = 0; i < views.size(); ++i) {
       add_view(views[i], 0, 1, lens, poses[i].data(), nullptr, &problem);
     }
-    // Fits first without distortion and with a fixed principal point, to converge from afar, then all free parameters
-    // robustly.
+    // Fits first without distortion and with a fixed principal point, to converge from distant starts, then robustly
+    // with all free parameters.
     std::vector<int> first = calibration::held_parameters(calibration::LensModel::kPinhole);
     first.insert(first.end(), {calibration::MeasuredLens::kCentreU, calibration::MeasuredLens::kCentreV});
     problem.SetManifold(lens, new ceres::SubsetManifold(calibration::MeasuredLens::kParameters, first));
@@ -166,7 +166,7 @@ Result<LensFit> solve_lens(const std::vector<LensView>& views, int width_px, int
     for (int i = 0; i < calibration::MeasuredLens::kParameters; ++i) {
       if (std::find(held.begin(), held.end(), i) != held.end()) continue;
       free.push_back(i);
-      // Sigmas of a data sheet for lengths; coefficients are only loosely constrained.
+      // For focal length and centre the scale is the sigma of a data sheet; for coefficients it is wide.
       scale.push_back(i < calibration::MeasuredLens::kK1   ? std::sqrt(sheet(i, i))
                       : i < calibration::MeasuredLens::kP1 ? 1.0
                                                            : 0.1);

@@ -8,7 +8,8 @@
 namespace cyclorama::camera_calibration {
 namespace {
 
-/// Oblong pixels are not a candidate: neither cameras nor projectors have them, and boards seldom determine them.
+/// All lens models but the last: oblong pixels are not tried, since neither cameras nor projectors have them, and
+/// boards seldom determine them.
 constexpr std::size_t kModels = calibration::kLensModels.size() - 1;
 
 void leave_each_out(const std::vector<BoardView>& views, const ProcamChoice& choice, ProcamCandidate* model) {
@@ -56,7 +57,7 @@ ProcamCandidate tried(const std::vector<BoardView>& views, const ProcamChoice& c
   return model;
 }
 
-/// Returns the models whose lenses are richer in one respect.
+/// Returns the models with one richer lens.
 std::vector<ProcamChoice> above(const ProcamChoice& choice) {
   std::vector<ProcamChoice> choices;
   for (calibration::LensModel ProcamChoice::*lens : {&ProcamChoice::camera_model, &ProcamChoice::projector_model}) {
@@ -69,7 +70,7 @@ std::vector<ProcamChoice> above(const ProcamChoice& choice) {
   return choices;
 }
 
-/// Tries richer models from `standing` on, as long as a step improves the prediction by kMinModelGain.
+/// Tries `standing` and richer models, as long as a step improves the prediction by kMinModelGain.
 void climb(const std::vector<BoardView>& views, ProcamChoice standing, std::vector<ProcamCandidate>* models) {
   models->push_back(tried(views, standing));
   double here = models->back().heldout_rms_px;
@@ -98,7 +99,7 @@ Result<ProcamSelection> select_procam_model(const std::vector<BoardView>& views,
   }
   ProcamChoice min{camera, projector, calibration::LensModel::kPinhole, calibration::LensModel::kPinhole};
   min.starts = 1;
-  // Whether the views are valid does not depend on the model, so the smallest model finds any that are not.
+  // The validity of views does not depend on the model, so it is tested with the smallest model.
   const auto any = solve_procam(views, min);
   if (!any && any.error().code() == ErrorCode::kInvalidArgument) return any.error();
   ProcamSelection selection;

@@ -23,9 +23,9 @@ namespace {
 
 using PoseBlock = std::array<double, 6>;  ///< Angle-axis, then translation.
 
-using BoardBlock = std::array<double, kBoardValues>;  ///< Like BoardShape.
+using BoardBlock = std::array<double, kBoardValues>;  ///< In the order of BoardShape.
 
-/// All unknowns. Ceres identifies them by address, so the lists must not grow while a problem exists.
+/// All unknowns. Ceres identifies them by address, so `boards` must not be resized while a problem exists.
 struct Unknowns {
   calibration::BrownBlock camera = {};
   calibration::BrownBlock projector = {};
@@ -40,7 +40,7 @@ void moved(const T* pose, const T* point, T* result) {
   for (int i = 0; i < 3; ++i) result[i] += pose[3 + i];
 }
 
-/// Converts a constant without derivatives. (A cast from double to double would cause a warning.)
+/// Converts a constant to T without derivatives. (A cast from double to double would cause a warning.)
 template <typename T>
 T constant(double value) {
   if constexpr (std::is_same_v<T, double>) {
@@ -50,7 +50,8 @@ T constant(double value) {
   }
 }
 
-/// Computes the reprojection error of a point in a lens's frame: (u, v) minus the observation.
+/// Computes the reprojection error of a point in the lens's frame: (u, v) minus the observation. Returns false for a
+/// point behind the lens.
 template <typename T>
 bool pixel_error(const T* lens, bool is_square, const T* point, const Eigen::Vector2d& seen, T* error) {
   if (!(point[2] > 1e-6)) return false;
@@ -66,7 +67,7 @@ bool pixel_error(const T* lens, bool is_square, const T* point, const Eigen::Vec
   return true;
 }
 
-/// Returns the position of a corner on the deformed board.
+/// Computes the position of a corner on the deformed board.
 template <typename T>
 void shaped(const T* shape, const Eigen::Vector2d& corner, T* point) {
   point[0] = constant<T>(corner.x());
@@ -157,7 +158,7 @@ void add_projector(const BoardView& view, bool is_square, Unknowns* unknowns, Po
   }
 }
 
-/// Returns half the sum of squares; nothing if the solver failed.
+/// Minimises, and returns half the sum of squares; nothing if the solver failed.
 std::optional<double> minimise(ceres::Problem* problem) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
@@ -175,7 +176,7 @@ std::optional<double> minimise(ceres::Problem* problem) {
 double rms(double sum_of_squares, double count) { return std::sqrt(sum_of_squares / std::max(1.0, count)); }
 
 double squares_of(const std::vector<double>& residuals, bool of_camera) {
-  // Residual blocks were added in the order camera, projector, as pairs of numbers.
+  // The camera's residuals are the first half, the projector's the second.
   double sum = 0.0;
   const std::size_t half = residuals.size() / 2;
   for (std::size_t i = of_camera ? 0 : half; i < (of_camera ? half : residuals.size()); ++i)
@@ -208,8 +209,8 @@ Error undetermined() {
           "about another axis, and nearer or further away"};
 }
 
-/// Starts from a camera of this focal length: solves the camera alone, whose boards then give the projector points in
-/// space.
+/// Returns initial values for a focal length of the camera: the camera is solved alone, and the boards' poses then give
+/// points in space for the projector.
 std::optional<Unknowns> started(const std::vector<BoardView>& views, const std::vector<Eigen::Matrix3d>& homographies,
                                 const ProcamChoice& choice, double focal_px) {
   Unknowns unknowns;
@@ -218,7 +219,7 @@ std::optional<Unknowns> started(const std::vector<BoardView>& views, const std::
   for (const Eigen::Matrix3d& h : homographies) unknowns.boards.push_back(block_of(board_pose(h, focal_px, centre)));
   ceres::Problem alone;
   for (std::size_t i = 0; i < views.size(); ++i) add_camera(views[i], true, &unknowns, &unknowns.boards[i], &alone);
-  // The principal point is held until the projector's view constrains it as well.
+  // The principal point stays fixed until the projector's observations constrain it too.
   std::vector<int> held = held_values(calibration::LensModel::kPinhole);
   held.insert(held.end(), {calibration::kCentreU, calibration::kCentreV});
   hold(held, unknowns.camera.data(), &alone);
@@ -258,10 +259,10 @@ void build(const std::vector<BoardView>& views, const ProcamChoice& choice, Unkn
   if (choice.board_model == BoardModel::kFlat) problem->SetParameterBlockConstant(unknowns->shape.data());
 }
 
-/// Rank and standard deviations, from the Jacobian with its columns scaled to length 1.
+/// Rank of the Jacobian, whose columns are scaled to length 1, and standard deviations.
 struct Certainty {
   int rank = 0;
-  std::vector<double> sigmas;  ///< For camera, projector and the rest, without held parameters.
+  std::vector<double> sigmas;  ///< Sigmas of the free parameters: camera, projector, the rest.
 };
 
 Certainty certainty_of(Unknowns* unknowns, ceres::Problem* problem) {
@@ -288,7 +289,7 @@ Certainty certainty_of(Unknowns* unknowns, ceres::Problem* problem) {
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(jacobian, Eigen::ComputeThinV);
   Certainty certainty;
   const Eigen::VectorXd& values = svd.singularValues();
-  // The threshold is about single precision; below it, rounding of the sums would count as a measurement.
+  // The threshold is about single precision; with a smaller one, rounding errors would count as measurements.
   for (const double value : values) certainty.rank += value > 1e-7 * values[0] ? 1 : 0;
   double squares = 0.0;
   for (const double residual : residuals) squares += residual * residual;
@@ -301,8 +302,8 @@ Certainty certainty_of(Unknowns* unknowns, ceres::Problem* problem) {
   return certainty;
 }
 
-/// Assigns standard deviations to the free parameters; with square pixels the second focal length takes that of the
-/// first.
+/// Assigns standard deviations from `next` on to the free parameters, and returns the index after them. With square
+/// pixels the second focal length has the sigma of the first.
 std::size_t spread_sigmas(const std::vector<double>& sigmas, std::size_t next, calibration::LensModel model,
                           calibration::BrownBlock* block) {
   const std::vector<int> held = held_values(model);

@@ -19,35 +19,35 @@ struct ImageSize {
 
 inline constexpr int kMaxStarts = 3;
 
-/// Shape of the board: printed paper is seldom perfectly flat or square.
+/// Model of the board's shape: printed paper is seldom perfectly flat or square.
 enum class BoardModel {
   kFlat,
   kBent,  ///< Stretched along y, and bent to second order; the same in all views.
 };
 struct BoardShape {
   double stretch = 0.0;  ///< Relative elongation along y.
-  /// z = bend_xx x² + bend_xy x y + bend_yy y²; per metre, in the board's frame.
+  /// z = bend_xx x² + bend_xy x y + bend_yy y² in the board's frame; in 1/m.
   double bend_xx = 0.0;
   double bend_xy = 0.0;
   double bend_yy = 0.0;
 };
 inline constexpr int kBoardValues = 4;
 
-/// The models to fit.
+/// Models to fit, and the pictures' sizes.
 struct ProcamChoice {
   ImageSize camera;
   ImageSize projector;
   calibration::LensModel camera_model = calibration::LensModel::kRadial1;
   calibration::LensModel projector_model = calibration::LensModel::kRadial1;
   BoardModel board_model = BoardModel::kFlat;
-  int starts = kMaxStarts;  ///< Starting points to try, 1 to kMaxStarts.
+  int starts = kMaxStarts;  ///< Number of starting points to try, 1 to kMaxStarts.
 };
 
-/// The intrinsics of a camera and a projector, and their relative pose.
+/// Intrinsics of a camera and a projector, and their relative pose.
 struct ProcamCalibration {
   calibration::BrownParameters camera;
   calibration::BrownParameters projector;
-  /// Standard deviation of each parameter, from the residuals; 0 if it was held.
+  /// Standard deviation of each parameter, from the residuals; 0 for parameters that were not free.
   calibration::BrownBlock camera_sigma = {};
   calibration::BrownBlock projector_sigma = {};
   RigidTransform<frame::Projector, frame::Camera> T_projector_camera;
@@ -55,14 +55,14 @@ struct ProcamCalibration {
   std::vector<RigidTransform<frame::Camera, frame::Board>> T_camera_board;  ///< One per view.
   double camera_rms_px = 0.0;  ///< Root mean square distance over all corners.
   double projector_rms_px = 0.0;
-  double stereo_rms_px = 0.0;  ///< Over both devices, as in OpenCV's stereoCalibrate().
+  double stereo_rms_px = 0.0;  ///< Over both devices, as OpenCV's stereoCalibrate() defines it.
   int unknowns = 0;
-  int rank = 0;             ///< Always equal to `unknowns`; otherwise solve_procam() fails.
+  int rank = 0;             ///< Equal to `unknowns`, since solve_procam() fails otherwise.
   int starts_agreeing = 0;  ///< Number of starting points that converged to the same solution.
 };
 
-/// One bundle adjustment of everything: both lenses, the relative pose and each board's pose. The starting points come
-/// from the views alone. The gauge is the camera's frame; the board's size gives the scale. Reentrant.
+/// Fits both lenses, their relative pose and each board's pose by one bundle adjustment. The starting points are
+/// computed from the views alone. The camera's frame is the gauge; the board's size gives the scale. Reentrant.
 ///
 /// Errors: kInvalidArgument if there are no views, lists of different lengths, fewer than 8 corners, a number that is
 /// not finite, or a board without size; kBadData, with the remedy, if the views do not determine the solution.
@@ -70,12 +70,12 @@ Result<ProcamCalibration> solve_procam(const std::vector<BoardView>& views, cons
 
 /// Prediction errors of a calibration for a view that was not used in its fit.
 struct HeldOut {
-  /// Over the corners that determine the board's pose: six parameters are fitted to them.
+  /// Over the camera's corners, to which the board's pose is fitted.
   double camera_rms_px = 0.0;
-  double projector_rms_px = 0.0;  ///< Over the projector's corners, predicted with nothing fitted.
-  double stereo_rms_px = 0.0;     ///< Over both if both determine the board's pose, like stereo_rms_px above.
+  double projector_rms_px = 0.0;  ///< Over the projector's corners, predicted without a fit to them.
+  double stereo_rms_px = 0.0;     ///< Over all corners, with the board's pose fitted to all.
 };
-/// Errors: those of solve_procam().
+/// Returns the prediction errors of a calibration for a view. Errors: those of solve_procam().
 Result<HeldOut> held_out(const BoardView& view, const ProcamCalibration& calibration);
 
 }  // namespace cyclorama::camera_calibration

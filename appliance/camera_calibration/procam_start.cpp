@@ -8,7 +8,7 @@
 namespace cyclorama::camera_calibration {
 namespace {
 
-/// Centres points and scales them to a mean distance of 1, for well-conditioned linear equations.
+/// Points that are centred and scaled to a mean distance of 1, for well-conditioned linear equations.
 template <int N>
 struct Normalised {
   using Vector = Eigen::Matrix<double, N, 1>;
@@ -28,7 +28,7 @@ struct Normalised {
   }
 };
 
-/// Returns the null vector of the rows; nothing if the null space has more dimensions.
+/// Returns the null vector of a matrix; nothing if the null space has more than one dimension.
 std::optional<Eigen::VectorXd> annulled(const Eigen::MatrixXd& rows) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeFullV);
   const Eigen::VectorXd& values = svd.singularValues();
@@ -62,7 +62,8 @@ std::optional<Eigen::Matrix3d> homography(const std::vector<Eigen::Vector2d>& fr
 }
 
 std::optional<double> focal_from(const std::vector<Eigen::Matrix3d>& homographies, const Eigen::Vector2d& centre_px) {
-  // Columns 1 and 2 are images of perpendicular directions of equal length: two linear equations in 1/f² each.
+  // The first two columns are images of perpendicular directions of equal length, so each homography gives two linear
+  // equations in 1/f².
   double sum_aa = 0.0;
   double sum_ac = 0.0;
   for (const Eigen::Matrix3d& h : homographies) {
@@ -117,7 +118,7 @@ std::optional<StartPinhole> pinhole_from(const std::vector<Eigen::Vector3d>& poi
   const Eigen::Matrix<double, 3, 4> normal =
       Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(values->data());
   Eigen::Matrix<double, 3, 4> camera = b.transform.inverse() * normal * a.transform;
-  // The scale and sign are those for which M contains a rotation with the points in front.
+  // Chooses the scale and sign for which M contains a rotation with the points in front.
   camera /= camera.block<1, 3>(2, 0).norm();
   if (camera.leftCols<3>().determinant() < 0.0) camera = -camera;
   // M = K R, so K follows from M Mᵀ, beginning with its last row.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Initial estimates for a solver, by linear algebra alone. Source: Zhang, "A Flexible New Technique for Camera
+/// Initial estimates for the solvers, by linear algebra alone. Source: Zhang, "A Flexible New Technique for Camera
 /// Calibration", PAMI 22 (11), 2000; Hartley and Zisserman, "Multiple View Geometry", 2nd edition, sections 4.1, 6.2
 /// and 7.1.
 #pragma once
@@ -10,7 +10,7 @@
 
 namespace cyclorama::camera_calibration {
 
-/// A rotation followed by a translation: p_to = R p_from + t.
+/// Rotation followed by a translation: p_to = R p_from + t.
 struct StartPose {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d t = Eigen::Vector3d::Zero();
@@ -20,16 +20,16 @@ struct StartPose {
 [[nodiscard]] std::optional<Eigen::Matrix3d> homography(const std::vector<Eigen::Vector2d>& from,
                                                         const std::vector<Eigen::Vector2d>& to);
 
-/// Returns the focal length with which boards of these homographies are rigid, for a known principal point; nothing if
-/// it is undetermined (all boards face the camera).
+/// Returns the focal length that follows from homographies of boards, for a known principal point; nothing if it is
+/// undetermined, as when all boards face the camera.
 [[nodiscard]] std::optional<double> focal_from(const std::vector<Eigen::Matrix3d>& homographies,
                                                const Eigen::Vector2d& centre_px);
 
-/// Returns the board's pose in front of the lens.
+/// Returns the pose of a board, in front of the lens, from the board's homography.
 [[nodiscard]] StartPose board_pose(const Eigen::Matrix3d& homography, double focal_px,
                                    const Eigen::Vector2d& centre_px);
 
-/// A pinhole camera with any principal point, and its pose, from points that are not coplanar.
+/// Pinhole camera with any principal point, and its pose.
 struct StartPinhole {
   double focal_px = 0.0;
   Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();

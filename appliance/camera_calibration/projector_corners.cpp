@@ -45,11 +45,11 @@ std::vector<Sample> samples_around(const structured_light::Decoded& decoded, con
   return samples;
 }
 
-/// Returns the surface's value in the middle, by least squares with Tukey's weights from the previous round's
-/// deviation.
+/// Returns the surface's value at the centre, by least squares with Tukey's weights from the previous round's
+/// deviations.
 std::optional<double> middle_value(const std::vector<Sample>& samples, int axis) {
   Terms surface = Terms::Zero();
-  double spread = 0.0;  // 0: no sample is down-weighted as an outlier.
+  double spread = 0.0;  // If 0, no sample is an outlier.
   for (int round = 0; round < 6; ++round) {
     Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
     Terms right = Terms::Zero();
@@ -74,7 +74,7 @@ std::optional<double> middle_value(const std::vector<Sample>& samples, int axis)
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
     // 1.48 converts a median to a standard deviation; 4.7 gives 95 % efficiency for normal errors. The lower bound is
-    // the noise of edges.
+    // the noise of stripes' edges.
     spread = 4.7 * std::max(0.02, 1.48 * *middle);
   }
   return surface[0];

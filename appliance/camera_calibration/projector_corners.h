@@ -9,11 +9,11 @@
 
 namespace cyclorama::camera_calibration {
 
-/// Returns the projector pixel that lights a camera position, from the decoded pixels within `radius_px` of it: a
-/// second-order surface through them, weighted by their sigmas, without outliers. Returns nothing if fewer than 30
-/// pixels are decoded or they lie on one side only. A local homography (Moreno and Taubin, "Simple, Accurate, and
-/// Robust Projector-Camera Calibration", 3DIMPVT 2012) is not used, since it is not linear and bends no further.
-/// Reentrant. Precondition: radius_px > 0.
+/// Returns the projector pixel that lights a camera position. A second-order surface is fitted to the decoded pixels
+/// within `radius_px`, weighted by their sigmas, without outliers. Returns nothing if fewer than 30 pixels are decoded,
+/// or all of them are on one side. A local homography (Moreno and Taubin, "Simple, Accurate, and Robust
+/// Projector-Camera Calibration", 3DIMPVT 2012) is not used: it is not linear, and no more flexible. Reentrant.
+/// Precondition: radius_px > 0.
 [[nodiscard]] std::optional<Eigen::Vector2d> projector_pixel_at(const structured_light::Decoded& decoded,
                                                                 const Eigen::Vector2d& camera_px, double radius_px);
 

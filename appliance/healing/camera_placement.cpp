@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMaxCorrespondences = 1500;  // Per projector and camera; more add no information.
 
-/// Returns what one camera sees of one projector, as points on the wall.
+/// Returns the pixels at which a camera sees one projector's light, each with its point on the wall.
 std::vector<WallCorrespondence> places_of(const scan::ScanView& view, const calibration::MeasuredMap& map,
                                           const Installation& installation) {
   std::vector<WallCorrespondence> pixels;

@@ -18,7 +18,7 @@ struct PlacedCamera {
   RigidTransform<frame::Room, frame::Camera> T_room_camera;
   std::size_t correspondences = 0;
   double rms_px = 0.0;
-  std::string trouble{};  ///< Reason for an unknown pose, and the remedy; empty: it is known.
+  std::string trouble{};  ///< Reason why the pose is unknown, and the remedy; empty if it is known.
 };
 
 /// Finds the poses of fixed cameras by patterns. Each camera pixel is matched to a projector pixel, and the wall's
@@ -26,10 +26,9 @@ struct PlacedCamera {
 ///
 ///     camera pixel ─ patterns ─▶ projector pixel ─ its map ─▶ direction ─▶ wall ─▶ place_camera()
 ///
-/// `calibration`'s maps must describe the projectors' present poses. A camera that sees too little of the lit wall does
-/// not keep the others from being placed. Errors: kBadData if all cameras see too little, with the first one's name;
-/// kUnavailable if `stop` was requested ("cancelled") or a device fails; others as measure_view(). Blocks for some ten
-/// seconds per camera.
+/// `calibration`'s maps must describe the projectors' present poses. A camera that cannot be placed is returned with
+/// its trouble. Errors: kBadData if no camera can be placed, with the first camera's trouble; kUnavailable if `stop`
+/// was requested ("cancelled") or a device fails; those of measure_view(). Blocks for about ten seconds per camera.
 Result<std::vector<PlacedCamera>> place_cameras(const std::vector<WatchingCamera>& cameras, PlacementDevices& devices,
                                                 const calibration::Calibration& calibration,
                                                 const Installation& installation,

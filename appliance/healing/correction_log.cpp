@@ -22,7 +22,8 @@ using Pose = RigidTransform<frame::Room, frame::Projector>;
 constexpr const char* kFile = "corrections.log";
 constexpr std::uintmax_t kMaxLogBytes = std::uintmax_t{1} << 20;
 constexpr std::size_t kMaxProjectors = 64;
-// Length of a turn in radians and a shift in metres: above the log's rounding, and below any correction.
+// Two poses are equal if the step between them (radians and metres) is shorter than this: above the log's rounding,
+// below any correction.
 constexpr double kSame = 1e-5;
 
 std::string pose_json(const Pose& T) {

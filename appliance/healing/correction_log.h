@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// FOLDER/corrections.log: one line of JSON per correction, the newest last. At one mebibyte or more it is renamed to
-/// corrections.log.1, and a new one begins.
+/// FOLDER/corrections.log: one line of JSON per correction, the newest last. Above one mebibyte it is renamed to
+/// corrections.log.1, and a new file begins.
 ///
 ///     {"at": "2026-11-23T10:00:00Z", "projector": 2, "kind": "bump", "moved_px": 23.411, "sigma_px": 0.110,
 ///      "before": {"rotation_wxyz": [...], "position_m": [...]}, "after": {...}}
 ///
-/// Projectors are counted from 1. A kind is bump, drift or undone; with undone, `before` is the pose of the
-/// correction that was taken back, and `after` the pose before that.
+/// Projectors are counted from 1. The kind is bump, drift or undone; for undone, `before` is the pose of the correction
+/// that was undone, and `after` the pose before that correction.
 #pragma once
 
 #include <filesystem>
@@ -31,14 +31,14 @@ struct LoggedCorrection {
 
 /// Returns one line, without its newline.
 [[nodiscard]] std::string correction_line(const LoggedCorrection& correction);
-/// Parses one line; empty if it is no such line.
+/// Parses one line; empty if the line is invalid.
 [[nodiscard]] std::optional<LoggedCorrection> parse_correction(std::string_view line);
 
-/// Appends to the log. Failures are ignored: the wall is corrected without a log too.
+/// Appends to the log. Failures are ignored, since corrections do not depend on the log.
 void log_corrections(const std::filesystem::path& folder, std::span<const LoggedCorrection> corrections);
 
-/// Returns the last correction that is in force: it was not taken back, and its projector is drawn for its pose
-/// (`applied`, by projector). Invalid lines are skipped.
+/// Returns the last correction in force: the latest one whose `after` is still the pose for which its projector is
+/// drawn. `applied` has these poses, one per projector. Invalid lines are skipped.
 [[nodiscard]] std::optional<LoggedCorrection> last_correction(
     const std::filesystem::path& folder, std::span<const RigidTransform<frame::Room, frame::Projector>> applied);
 

@@ -21,7 +21,7 @@ class HealingHealth {
   static constexpr Duration kEvery = std::chrono::seconds(5);
   static constexpr std::size_t kMaxSamples = 120;
 
-  /// `pixels`: projector pixels per pixel of the calibration, whose pictures are smaller by that factor.
+  /// `pixels` is the factor by which the calibration's pictures are smaller than the projectors', each way.
   HealingHealth(std::vector<std::string> projectors, double pixels) : names_(std::move(projectors)), pixels_(pixels) {
     last_.resize(names_.size());
   }

@@ -21,7 +21,7 @@ constexpr int kGivesWay = 10;
 
 }  // namespace
 
-/// State that exists only while it watches.
+/// State that exists only while the wall is watched.
 struct HealingLoop::Watching {
   Watching(HealingStart from, ContinuousCalibrator with, HealingHealth how, std::unique_ptr<ShowRoom> in,
            std::filesystem::file_time_type at)
@@ -41,7 +41,7 @@ struct HealingLoop::Watching {
   std::filesystem::file_time_type calibrated_at;
   std::optional<ShowRecorder> recorder;
   std::optional<TimePoint> kept_at;
-  double kept_sigma_px = 0.0;  ///< Uncertainty of the saved state, so that a restart begins with little more.
+  double kept_sigma_px = 0.0;  ///< Uncertainty of the saved state; the state is saved again when it has halved.
   bool wants_realignment = false;
   std::string unkept;  ///< Reason why the last correction was not written; retried at each step.
 };
@@ -134,7 +134,7 @@ Status HealingLoop::begin() {
       TRY_ASSIGN(const ShowRecord read, ShowRecord::open(folder));
       start = read.start();
     } else if (options_.on_line) {
-      // A record is only for engineers; the wall is corrected without it too.
+      // Corrections do not depend on the record, which is only for engineers.
       options_.on_line("nothing is recorded: " + recording.error().message());
     }
   }
@@ -153,7 +153,7 @@ Status HealingLoop::step() {
   Watching& now = *watching_;
   std::vector<std::string> troubles = now.left_out;
   TRY_ASSIGN(ShowMoment moment, now.room->next(&troubles));
-  // The calibration counts only the cameras that it contains.
+  // The calibrator's camera indices count only the cameras that it has.
   std::erase_if(moment.seen, [&](const CameraPicture& picture) {
     return std::ranges::find(now.cameras, picture.camera) == now.cameras.end();
   });
@@ -227,7 +227,7 @@ void HealingLoop::keep(const ShowReport& report) {
   now.unkept = why;
 }
 
-/// A failed record does not stop the correction of the wall.
+/// Ends the record if `kept` is an error; the correction of the wall continues.
 void HealingLoop::end_record_unless(const Status& kept) {
   if (kept) return;
   if (options_.on_line) options_.on_line("recording ends: " + kept.error().message());
@@ -251,7 +251,7 @@ Status HealingLoop::write_state(bool with_correction) {
 }
 
 Status HealingLoop::realign() {
-  // Does not wait for the lock, which a holder of the loop keeps for minutes.
+  // Does not wait for the lock, which a Held may keep for minutes.
   if (holders_ > 0) return Error(ErrorCode::kUnavailable, "the wall is being measured");
   const std::lock_guard lock(working_);
   if (watching_ == nullptr) return Error(ErrorCode::kUnavailable, "the wall is not watched: " + lacks_);

@@ -25,15 +25,16 @@ namespace cyclorama::healing {
 ///            ▲                                             │ a display or all cameras absent: waits, and reports it
 ///            └───────── another calibration applies ───────┘
 ///
-/// 1. correction.json, which displays follow, is only ever replaced by a calibration that step() accepted.
-/// 2. watch.json is written with it, and whenever the uncertainty has halved, so that another process resumes in the
-///    same state, with the same certainty.
-/// 3. Each correction is a line of FOLDER/corrections.log, with before and after (correction_log.h); the last can be
-///    taken back.
-/// 4. A file that cannot be written is reported as long as that lasts, counted (watch_unkept), and written at the next
-///    step.
-/// 5. A projector that cannot be watched, or a camera that cannot watch, is named with the remedy; the others are kept.
-/// Runs one thread, with the lowest priority. Thread-safe.
+/// 1. correction.json, which displays follow, is written only after a correction that the calibrator accepted, or by
+///    undo().
+/// 2. watch.json is written with it, every ten minutes, and whenever the uncertainty has halved, so that another
+///    process resumes with the same state and uncertainty.
+/// 3. Each correction is a line of FOLDER/corrections.log (correction_log.h), with the poses before and after it;
+///    undo() undoes the last one.
+/// 4. A file that cannot be written is reported, counted as watch_unkept, and tried again at each step until it can be
+///    written.
+/// 5. A projector that cannot be watched, or a camera that cannot watch, is reported with the remedy; the others go on.
+/// Runs one thread, at low priority. Thread-safe.
 class HealingLoop {
  public:
   struct Options {
@@ -43,18 +44,18 @@ class HealingLoop {
     std::filesystem::path installation_file{};    ///< Copied into the record.
     /// Called on the loop's thread for each line of the log; may be null.
     std::function<void(std::string)> on_line{};
-    /// Called with the present activity, and whether that is well; may be null.
+    /// Called with a sentence on the present state, and whether all is well; may be null.
     std::function<void(std::string, bool)> tell{};
   };
   /// Starts the loop. Borrows the clock and the inspection.
   HealingLoop(Installation installation, std::filesystem::path folder, std::unique_ptr<ShowRooms> rooms,
               const Clock& clock, InspectionService* inspection, Options options);
-  /// Ends within a step.
+  /// Stops the thread; waits for the step in progress.
   ~HealingLoop();
   HealingLoop(const HealingLoop&) = delete;
   HealingLoop& operator=(const HealingLoop&) = delete;
 
-  /// During its lifetime the loop leaves displays and cameras to a measurement of the wall.
+  /// While it exists, the loop uses no display and no camera, so that the wall can be measured.
   class Held {
    public:
     explicit Held(HealingLoop* loop);
@@ -68,14 +69,15 @@ class HealingLoop {
   };
   [[nodiscard]] std::unique_ptr<Held> hold() { return std::make_unique<Held>(this); }
 
-  /// Errors: kUnavailable if nothing is watched, with the reason.
+  /// Requests a realignment at the next step: see ContinuousCalibrator::realign(). Errors: kUnavailable if nothing is
+  /// watched, with the reason.
   Status realign();
-  /// Takes back the last correction in force: what the cameras see now counts as its projector's right position.
-  /// Returns which correction it was. Errors: kUnavailable if nothing is watched, with the reason; kNotFound if no
-  /// correction is in force.
+  /// Undoes the last correction in force: its projector is drawn for the former pose again, and the projector's present
+  /// position counts as right. Returns a sentence about the correction, for operators. Errors: kUnavailable if nothing
+  /// is watched, with the reason; kNotFound if no correction is in force.
   Result<std::string> undo();
-  /// Precondition: the caller holds the loop. Errors: those of place_cameras(); kNotFound if no camera watches, or
-  /// there is no calibration.
+  /// Places all cameras and saves their poses. Precondition: the caller has a Held. Errors: those of
+  /// healing::place_cameras(); kNotFound if no camera watches, or there is no calibration.
   Result<std::vector<PlacedCamera>> place_cameras(std::stop_token stop);
 
  private:
@@ -98,13 +100,13 @@ class HealingLoop {
   InspectionService& inspection_;
   const Options options_;
 
-  std::mutex working_;                  ///< Held during a step and by a Held; guards the two members below.
-  std::unique_ptr<Watching> watching_;  ///< Null: not started yet, or stopped.
+  std::mutex working_;                  ///< Locked during a step and by a Held; guards the two members below.
+  std::unique_ptr<Watching> watching_;  ///< Null before the start, and while the wall is not watched.
   std::string lacks_;                   ///< Reason why watching_ is null.
   std::atomic<int> holders_{0};
   std::mutex mutex_;
   std::condition_variable_any woken_;
-  std::jthread thread_;  ///< Last member, so that the thread ends before what it uses.
+  std::jthread thread_;  ///< Last member, so that it ends before the others are destroyed.
 };
 
 }  // namespace cyclorama::healing

@@ -15,7 +15,7 @@ grpc::Status HealingService::PlaceCameras(grpc::ServerContext* context, const wi
   if (!working) return refused("the cameras are being placed already");
   std::stop_source stop;
   const std::stop_callback process_stops(stop_.get_token(), [&] { stop.request_stop(); });
-  // The client may disconnect in the meantime.
+  // Cancels the placement if the client disconnects.
   std::jthread watch([&](const std::stop_token& over) {
     while (!over.stop_requested()) {
       if (context->IsCancelled()) stop.request_stop();

@@ -8,7 +8,7 @@
 
 namespace cyclorama::healing {
 
-/// Implements show.proto's Healing. Thread-safe. Borrows the loop, which may be null: then nothing is watched.
+/// Implements show.proto's Healing. Thread-safe. Borrows the loop, which is null if nothing is watched.
 class HealingService final : public wire::Healing::Service {
  public:
   explicit HealingService(HealingLoop* loop) : loop_(loop) {}

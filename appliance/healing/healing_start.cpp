@@ -45,7 +45,7 @@ calibration::CodeLight light_of(const warp::ResponseCurve& curve) {
   return calibration::rounded_light(light);
 }
 
-/// Returns the measured conversion from codes to light.
+/// Returns the measured conversion from codes to light; empty if there is none.
 Result<std::vector<calibration::CalibratedColour>> measured_colours(const std::filesystem::path& folder,
                                                                     const std::string& date) {
   auto text = read_text_file(calibration::calibration_folder(folder, date) / "colours.json", kMaxBytes);
@@ -110,7 +110,7 @@ bool is_same(const calibration::BrownParameters& a, const calibration::BrownPara
   return a.width_px == b.width_px && a.height_px == b.height_px && calibration::to_block(a) == calibration::to_block(b);
 }
 
-/// Reduces a room to pictures of 1/`factor` of the heads' pixels.
+/// Scales the projectors' lenses to pictures reduced by `factor` each way.
 void make_smaller(calibration::ShowCalibration* room, int factor) {
   for (calibration::ShowProjector& projector : room->projectors) projector.lens = smaller_lens(projector.lens, factor);
 }
@@ -157,7 +157,7 @@ Result<calibration::ShowFile> save_camera_poses(const std::filesystem::path& fol
       show.cameras.push_back({camera.name, camera.lens, camera.T_room_camera});
       continue;
     }
-    // The camera was occluded: its former pose is better than none.
+    // The camera could not be placed; its former pose is better than none.
     if (!known || known->calibration != calibration.date) continue;
     const auto before = std::ranges::find(known->cameras, camera.name, &calibration::ShowFile::Camera::name);
     if (before != known->cameras.end() && is_same(before->lens, camera.lens)) show.cameras.push_back(*before);

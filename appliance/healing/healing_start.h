@@ -11,10 +11,10 @@
 
 namespace cyclorama::healing {
 
-/// Remedy if there is no camera to start with.
+/// Reason and remedy if no camera watches.
 inline constexpr const char* kNoCameraWatches = "no camera watches; name one in calibrator.toml, or with --watch";
 
-/// Everything with which the calibration during the show starts.
+/// Initial state of the calibration during the show.
 struct HealingStart {
   calibration::ShowFile show;
   std::vector<std::size_t> cameras;   ///< Indices into the watching cameras, in the order of show.cameras.
@@ -26,15 +26,16 @@ struct HealingStart {
 ///     calibration.json ── maps ─▶ fit_projector() ─▶ scanned     if the calibration is newer than watch.json
 ///     watch.json ────────────────────────────────▶ cameras; also scanned, applied and learned, if of the same date
 ///
-/// A camera that was never placed, or has another lens since, is left out, and so is a projector whose map fits no
+/// A camera that was never placed, or whose lens has changed since, is left out; likewise a projector whose map fits no
 /// pose. The response from codes to light is taken from the calibration's colours.json if there is one. Errors:
 /// kNotFound if there is no calibration, or no camera's pose is known, with the remedy; kBadData if a file is damaged,
 /// or no projector's map fits a pose.
 Result<HealingStart> healing_start(const std::filesystem::path& folder, const Installation& installation,
                                    const std::vector<WatchingCamera>& cameras);
 
-/// Updates the cameras' poses after a placement, except for cameras that were not placed; keeps what is known of
-/// projectors. Writes watch.json.
+/// Writes watch.json with the cameras' poses after a placement, and returns its contents. A camera that could not be
+/// placed keeps the pose that watch.json has for the same calibration. Projectors keep their poses; what was learned of
+/// their residuals is discarded.
 Result<calibration::ShowFile> save_camera_poses(const std::filesystem::path& folder, const Installation& installation,
                                                 const std::vector<PlacedCamera>& cameras);
 
@@ -43,10 +44,10 @@ Result<calibration::ShowFile> save_camera_poses(const std::filesystem::path& fol
 Result<calibration::Calibration> corrected_calibration(const std::filesystem::path& folder,
                                                        const Installation& installation);
 
-/// Returns the applied room for ContinuousCalibrator; its pictures are smaller by `factor`.
+/// Returns the applied room for ContinuousCalibrator, for pictures reduced by `factor` each way.
 [[nodiscard]] calibration::ShowCalibration applied_room(const calibration::ShowFile& show,
                                                         const Installation& installation, int factor);
-/// Empty if the scan's residuals have not been learned yet.
+/// Returns the learned room; empty if the scan's residuals have not been learned yet.
 [[nodiscard]] std::optional<LearnedRoom> learned_room(const calibration::ShowFile& show,
                                                       const Installation& installation, int factor);
 

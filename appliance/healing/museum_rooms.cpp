@@ -71,7 +71,7 @@ class MuseumRoom final : public ShowRoom {
       cameras_[i] = std::move(camera);
     }
     auto frame = cameras_[i]->next_frame(clock_.now() + kForAFrame);
-    // The next call opens the camera again, which may be back.
+    // The next call tries to open the camera again.
     if (!frame && frame.error().code() == ErrorCode::kUnavailable) cameras_[i].reset();
     return frame;
   }
@@ -123,7 +123,8 @@ class MuseumRooms final : public ShowRooms {
   const Clock& clock_;
 };
 
-/// Errors: kNotFound if no folder has the file; others as read_camera().
+/// Reads a camera's lens from the first folder that has its file. Errors: kNotFound if no folder has the file; those of
+/// read_camera().
 Result<calibration::CameraFile> lens_of(const std::string& camera, const std::vector<std::filesystem::path>& folders) {
   for (const std::filesystem::path& folder : folders) {
     auto file = calibration::read_camera(folder / (camera + ".json"));

@@ -17,9 +17,8 @@ namespace {
 constexpr Duration kAnswerTimeout = std::chrono::seconds(2);
 constexpr Duration kRetryAfter = std::chrono::milliseconds(15);
 constexpr int kMaxRequests = 20;      // A third of a second: some refreshes of any projector.
-constexpr int kMaxFirstRequests = 8;  // Requests until the clocks' difference is known; at least one should be fast.
-// Additional time before an exposure: earlier and later exposures are compared too, also while a camera's clock error
-// is unknown.
+constexpr int kMaxFirstRequests = 8;  // Attempts to measure the clock offset; at least one should be fast enough.
+// Margins around an exposure: pictures of earlier and later times are compared too, and a camera's clock may be wrong.
 constexpr Duration kShownBefore = kTimeDoubt + std::chrono::milliseconds(100);
 constexpr Duration kShownAfter = kTimeDoubt + std::chrono::milliseconds(40);
 constexpr Duration kSureEnough = kTimeDoubt / 2;
@@ -41,7 +40,8 @@ class RemoteShown::Display {
   }
 
   Status between(TimePoint opened, TimePoint closed, Duration latency, Shown* ret_shown) {
-    // The first, empty requests learn the clock offset, without which the display's times cannot be converted.
+    // The first requests, which are empty, measure the clock offset: without it the display's times cannot be
+    // converted.
     for (int asks = 0; asks < kMaxFirstRequests && !is_sure(); ++asks) TRY(ask(TimePoint{}, TimePoint{}));
     const TimePoint from = opened - latency - kShownBefore;
     const TimePoint until = closed - latency + kShownAfter;
@@ -83,7 +83,7 @@ class RemoteShown::Display {
         stub_(wire::ShownPictures::NewStub(channel_)),
         clock_(clock) {}
 
-  /// Returns the display's clock minus ours.
+  /// Returns the display's clock minus this computer's clock.
   [[nodiscard]] Duration ahead() const {
     const ClockReading reading = offset_.reading(clock_.now());
     return std::chrono::nanoseconds(reading.is_known ? static_cast<std::int64_t>(reading.offset_ns) : 0);
@@ -92,7 +92,7 @@ class RemoteShown::Display {
     const ClockReading reading = offset_.reading(clock_.now());
     return reading.is_known && reading.error <= kSureEnough;
   }
-  /// True if the display was restarted and counts from 1 again; its earlier pictures are unknown then.
+  /// True if the display was restarted and counts from 1 again; its earlier pictures are unknown in that case.
   [[nodiscard]] bool has_begun_anew() const {
     return !reply_.moments().empty() && reply_.moments(reply_.moments_size() - 1).number() < known_;
   }
@@ -112,7 +112,7 @@ class RemoteShown::Display {
     const grpc::Status status = stub_->GetShown(&context, request, &reply_);
     const TimePoint answered = clock_.now();
     if (!status.ok()) return from_grpc(status, fmt::format("asking the display at {} what it shows", address_));
-    // The display draws while it answers; that time is not the network's.
+    // The display's processing time is not part of the network's delay.
     offset_.add({asked, reply_.received_ns(), reply_.answered_ns(), answered});
     return Done{};
   }

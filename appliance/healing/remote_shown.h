@@ -10,12 +10,13 @@
 
 namespace cyclorama::healing {
 
-/// Retrieves what remote displays showed, by the service ShownPictures (common/wire/show.proto), in this computer's
-/// time; each reply updates the offset to the display's clock (ClockOffset). Thread-bound.
+/// Retrieves the pictures that remote displays showed, through the service ShownPictures (common/wire/show.proto).
+/// Times are of this computer's clock; each reply updates the offset to the display's clock (ClockOffset).
+/// Thread-bound.
 class RemoteShown {
  public:
-  /// `latency`: from a projector's signal to its light. Errors: kInvalidArgument if a projector belongs to no display,
-  /// or to two.
+  /// Connects to the displays. `latency` is the time from a projector's signal to its light. Errors: kInvalidArgument
+  /// if a projector belongs to no display, or to two.
   static Result<std::unique_ptr<RemoteShown>> open(const std::vector<InstalledProjector>& projectors,
                                                    const std::vector<scan::PatternDisplay>& displays, int factor,
                                                    Duration latency, const Clock& clock);
@@ -26,13 +27,13 @@ class RemoteShown {
   struct Shown {
     std::vector<ShownPicture> pictures;  ///< Pictures that were not returned before.
     std::vector<ShownUntil> until;       ///< One per projector.
-    /// All heads displayed the show throughout, and the displays' clocks are known to kTimeDoubt / 2; otherwise nothing
-    /// can be compared.
+    /// True if all heads displayed the show throughout, and the displays' clocks are known to kTimeDoubt / 2; otherwise
+    /// nothing can be compared.
     bool is_show = true;
   };
-  /// Returns what was lit at `opened`, and what came until `closed` and a little after it; waits some refreshes until
-  /// the displays have recorded it. Errors: kUnavailable, kTimedOut if a display cannot be reached, or does not
-  /// refresh, with its name.
+  /// Returns the pictures that were lit from shortly before `opened` until shortly after `closed`; waits some refreshes
+  /// until the displays have recorded them. Errors: kUnavailable, kTimedOut if a display cannot be reached or does not
+  /// refresh, with its address.
   Result<Shown> between(TimePoint opened, TimePoint closed);
 
  private:

@@ -287,7 +287,7 @@ Result<std::optional<ShowRecord::Event>> ShowRecord::next() {
     return std::optional<Event>(std::move(event));
   }
   if (kind != kMoment) return damaged;
-  // Empty: the record is truncated. False: it is damaged.
+  // Reads a picture. Returns nothing if the record is truncated, false if it is damaged.
   const auto picture = [&](auto* ret_image) -> std::optional<bool> {
     std::uint32_t width = 0;
     std::uint32_t height = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Interfaces to the displays that report what they show, and to the cameras that see it.
+/// Interfaces to the displays, which report the pictures that they show, and to the cameras that watch the wall.
 #pragma once
 
 #include <memory>
@@ -25,9 +25,9 @@ class ShowRoom {
  public:
   virtual ~ShowRoom() = default;
 
-  /// Returns the next picture of each camera, and what was shown since before the first of them was exposed. A camera
-  /// that gives no picture is left out and named in `ret_troubles`. Blocks for the longest exposure and some refreshes.
-  /// Errors: kUnavailable, kTimedOut if a display cannot be reached, with its name.
+  /// Returns the next picture of each camera, and the pictures that the displays showed from before the first exposure
+  /// on. A camera that gives no picture is left out and named in `ret_troubles`. Blocks for the longest exposure and
+  /// some refreshes. Errors: kUnavailable, kTimedOut if a display cannot be reached, with its name.
   virtual Result<ShowMoment> next(std::vector<std::string>* ret_troubles) = 0;
 
  protected:
@@ -36,7 +36,7 @@ class ShowRoom {
   ShowRoom& operator=(const ShowRoom&) = delete;
 };
 
-/// The same cameras and projectors while patterns are shown.
+/// Cameras and pattern screen with which cameras are placed.
 struct PlacementDevices {
   std::vector<std::unique_ptr<scan::ScanCamera>> cameras;  ///< In the order of ShowRooms::cameras().
   std::unique_ptr<scan::PatternScreen> screen;             ///< Last, so that it is released first.
@@ -48,9 +48,9 @@ class ShowRooms {
   virtual ~ShowRooms() = default;
 
   [[nodiscard]] virtual const std::vector<WatchingCamera>& cameras() const = 0;
-  /// Named cameras that cannot watch, with reason and remedy.
+  /// Returns the configured cameras that cannot watch, with reason and remedy.
   [[nodiscard]] virtual std::vector<std::string> troubles() const { return {}; }
-  /// Factor by which pictures of projectors are reduced each way.
+  /// Returns the factor by which projectors' pictures are reduced, each way.
   [[nodiscard]] virtual int picture_factor() const = 0;
   virtual Result<std::unique_ptr<ShowRoom>> open() = 0;
   virtual Result<PlacementDevices> open_for_placement() = 0;

@@ -13,7 +13,7 @@ class SimulatedShowRoom final : public ShowRoom {
   SimulatedShowRoom(std::unique_ptr<RemoteShown> shown, simulated::SimulatedStage* stage, const Clock& clock)
       : shown_(std::move(shown)), stage_(*stage), clock_(clock) {}
 
-  /// The stage has no time of its own: it shows the last pictures that were shown while the cameras' shutters were
+  /// The stage does not simulate time: its cameras see the last pictures that were shown while their shutters were
   /// open.
   Result<ShowMoment> next(std::vector<std::string>*) override {
     ShowMoment moment;

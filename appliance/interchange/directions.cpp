@@ -21,7 +21,7 @@ Error lacking(const WarpRegion& region, std::string_view what, std::string_view 
   return Error(ErrorCode::kInvalidArgument, fmt::format("region '{}': {}; {}", region.id, what, remedy));
 }
 
-/// Looks up u and v in the region's part of the picture, whose first row is at the top.
+/// Returns the function that looks up u and v in the region's part of the picture, whose first row is at the top.
 Look look_at_picture(const WarpRegion& region, const PictureShape& picture) {
   return [&region, &picture](const float* sample) -> std::optional<Eigen::Vector3d> {
     const double u = region.rect.x + region.rect.width * static_cast<double>(sample[0]);

@@ -15,12 +15,12 @@ namespace {
 
 constexpr int kMinCells = 8;
 constexpr int kMinCellPx = 4;
-// Excludes the upward direction, whose panorama position is infinite but for rounding.
+// Excludes the upward direction, whose position in a panorama is infinite except for rounding.
 constexpr double kMaxCoordinate = 1e9;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// Positions of directions in a picture; azimuths count from the middle of the mapped area, so that none jumps within
-/// one projector's picture.
+/// Positions of directions in a picture. Azimuths count from the middle of the mapped area, so that they do not jump
+/// within one projector's picture.
 class PicturePositions {
  public:
   PicturePositions(const DirectionMap& directions, const PictureShape& picture) : picture_(picture) {
@@ -39,7 +39,7 @@ class PicturePositions {
       return std::nullopt;
     return warp::counted_near(*location, picture_, middle_rad_);
   }
-  /// `x` and `y` are in the projector's picture, 0 to 1 from its upper left corner.
+  /// Returns the position for a point of the projector's picture; `x` and `y` are 0 to 1 from its upper left corner.
   [[nodiscard]] std::optional<PicturePlace> at(const DirectionMap& directions, double x, double y) const {
     const auto direction = sample_map(directions, x, y);
     if (!direction) return std::nullopt;
@@ -69,7 +69,8 @@ warp::WarpMesh sampled(const DirectionMap& directions, const PicturePositions& p
   return mesh;
 }
 
-/// Extrapolates rows and columns linearly by one vertex beyond the mapped area, from the two nearest.
+/// Extrapolates the mesh linearly by one vertex beyond the mapped area, from the two nearest vertices in each
+/// direction.
 void grow_rim(warp::WarpMesh* mesh) {
   const std::vector<warp::WarpVertex> old = mesh->vertices;
   const int across = mesh->cells_x + 1;
@@ -104,7 +105,8 @@ void grow_rim(warp::WarpMesh* mesh) {
   }
 }
 
-/// Returns the maximum distance between the mesh and a mapped sample; infinite if the mesh leaves one out.
+/// Returns the maximum distance between the mesh and a mapped sample; infinite if the mesh does not cover a mapped
+/// sample.
 double worst_error(const DirectionMap& directions, const PicturePositions& positions, const warp::WarpMesh& mesh,
                    const PixelScale& scale) {
   double worst = 0.0;

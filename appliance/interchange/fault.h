@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The common form of every reader's errors here: location in the file, fault, and remedy.
+/// Common form of the errors of all readers in this folder: location in the file, fault, and remedy.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 
 namespace cyclorama::interchange {
 
-/// Returns kBadData "location: what; remedy". Readers of files prepend the file's name.
+/// Returns the error kBadData "location: what; remedy". Readers of files prepend the file's name.
 [[nodiscard]] inline Error fault(std::string_view location, std::string_view what, std::string_view remedy,
                                  SourceLine where = SourceLine::current()) {
   return Error(ErrorCode::kBadData, fmt::format("{}: {}; {}", location, what, remedy), where);

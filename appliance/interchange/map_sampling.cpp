@@ -7,7 +7,7 @@
 namespace cyclorama::interchange {
 namespace {
 
-/// The two neighbours of a position along one side, and its distance from the first relative to the second.
+/// The two neighbours of a position along one side, and the share of the second in an interpolation.
 struct Between {
   int first = 0;
   int second = 0;

@@ -16,7 +16,7 @@ constexpr std::size_t kChunkLimitBytes = std::size_t{1} << 20;
 
 Error broken(const char* location, int code) { return fault(location, spng_strerror(code), "export the mask again"); }
 
-/// The library's output format for a file.
+/// Output format that is requested from the library.
 struct Layout {
   int format = SPNG_FMT_PNG;
   std::size_t stored_channels = 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// VESA MPCDI 1.0 and 2.0: the format that calibrations of VIOSO, Scalable Display, domeprojection, Christie and others
-/// export, and that media servers and game engines read. A zip archive with mpcdi.xml and its maps: PFM for geometry,
-/// PNG for masks.
+/// VESA MPCDI 1.0 and 2.0: the format that calibration programs of VIOSO, Scalable Display, domeprojection, Christie
+/// and others export, and that media servers and game engines read. It is a zip archive with mpcdi.xml and maps: PFM
+/// for geometry, PNG for masks.
 ///
 /// Sources: VESA MPCDI 1.0 and 2.0; where their text is silent or tools differ, the behaviour of tools: Scalable
 /// Display's reference library (2013), PyMPCDI, SGCT, Unreal's nDisplay, Christie's "MPCDI explained".
@@ -20,18 +20,19 @@ namespace cyclorama::interchange {
 
 struct MpcdiFile {
   WarpSet set;
-  /// Parts of the file that are not used here, with their lines: colour tables, extensions, unknown words. For people.
+  /// Parts of the file that are not used, with their lines: colour tables, extensions, unknown words. For display to
+  /// users.
   std::vector<std::string> ignored;
 };
 
 /// Decodes a .mpcdi archive, or a bare mpcdi.xml (projector poses alone, as Christie writes them). Errors: kBadData
 /// "member 'x': ..." or "mpcdi.xml, line 12, <region>: ...", with the remedy. Reentrant.
 Result<MpcdiFile> decode_mpcdi(std::span<const std::byte> bytes, const WarpLimits& limits = {});
-/// Same as decode_mpcdi(); errors name the file too.
+/// Does the same for a file; errors also name the file.
 Result<MpcdiFile> read_mpcdi(const std::filesystem::path& path, const WarpLimits& limits = {});
 
-/// Encodes a set. The same set gives the same bytes, and decoding them gives the set. Masks of any size and bits are
-/// kept. Errors: kBadData as check(); kInvalidArgument if a mask cannot be packed.
+/// Encodes a set. Equal sets give equal bytes, and decoding these gives an equal set. Masks of any size and bits are
+/// kept. Errors: those of check(); kInvalidArgument if a mask cannot be packed.
 Result<std::vector<std::byte>> encode_mpcdi(const WarpSet& set);
 /// Writes the file completely or not at all.
 Status write_mpcdi(const std::filesystem::path& path, const WarpSet& set);

@@ -18,10 +18,10 @@ namespace cyclorama::interchange {
 namespace {
 
 constexpr std::size_t kManifestLimitBytes = std::size_t{4} << 20;
-constexpr int kMaxPx = 1 << 20;  ///< Limit of a buffer each way; regions have stricter checks.
+constexpr int kMaxPx = 1 << 20;  ///< Maximum size of a buffer each way; regions have stricter limits.
 constexpr int kMaxLevel = 4;
 
-/// Reads one manifest, and its members if it is in an archive.
+/// Reads a manifest and, if it is in an archive, the members that it names.
 class Reader {
  public:
   Reader(ZipReader* archive, const WarpLimits& limits) : archive_(archive), limits_(limits) {}
@@ -147,7 +147,7 @@ class Reader {
     return std::optional(frame);
   }
 
-  /// File sets lie in <files>, as the standard requires, or beside it, as some tools write them.
+  /// Reads the file sets, which are in <files>, as the standard requires, or beside it, as some tools write them.
   Status read_files(const XmlElement& root) {
     std::vector<XmlElement> sets = root.children("fileset");
     TRY_ASSIGN(const auto files, root.optional_child("files"));
@@ -216,8 +216,8 @@ class Reader {
     return Done{};
   }
 
-  /// Treats absent and unrecognised words as "unknown", since the reference library writes wrong ones where they have
-  /// no meaning.
+  /// Reads a word of an enumeration. Absent and unrecognised words count as "unknown", since the reference library
+  /// writes wrong words where they have no meaning.
   template <typename T, std::size_t N>
   Result<T> word(const XmlElement& element, std::string_view name, const mpcdi::Words<T, N>& words) {
     TRY_ASSIGN(const auto child, element.optional_child(name));
@@ -264,7 +264,7 @@ class Reader {
     return std::optional(*std::move(mask));
   }
 
-  /// Exporters leave old values there; the PNG is authoritative.
+  /// Ignores a stated depth that differs from the PNG's: exporters write outdated values, and the PNG is authoritative.
   Status compare_depth(const XmlElement& element, std::string_view name, int truth) {
     TRY_ASSIGN(const auto child, element.optional_child(name));
     if (!child) return Done{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// MPCDI's words for our enumerators, shared by reader and writer.
+/// MPCDI's words for enumerators, shared by reader and writer.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ inline constexpr Words<WarpProfile, 4> kProfiles{{{"2d", WarpProfile::k2d},
                                                   {"3d", WarpProfile::k3d},
                                                   {"a3", WarpProfile::kAdvanced3d},
                                                   {"sl", WarpProfile::kShaderLamps}}};
-/// The reference library misspells "unknown", and so do files.
+/// The reference library misspells "unknown" as "unkown", and so do some files.
 inline constexpr Words<LengthUnit, 9> kUnits{{{"unknown", LengthUnit::kUnknown},
                                               {"unkown", LengthUnit::kUnknown},
                                               {"mm", LengthUnit::kMillimetre},

@@ -46,7 +46,7 @@ class Writer {
     y_resolution_ = old ? "Yresolution" : "yResolution";
     x_size_ = old ? "xsize" : "xSize";
     y_size_ = old ? "ysize" : "ySize";
-    // The consortium's own reader, of version 1.0, accepts only this spelling, and refuses files without it.
+    // The consortium's reader of version 1.0 accepts only this spelling, and refuses files without the element.
     origin_ = old ? "originof3DData" : "originOf3DData";
     put(R"(<?xml version="1.0" encoding="UTF-8"?>)");
     const std::string levels = old ? fmt::format(R"(level="{}")", set.level)
@@ -142,7 +142,8 @@ class Writer {
     return Done{};
   }
 
-  /// Members are numbered, since a region's id may contain characters that file names must not.
+  /// Adds a member and returns its name. Members are numbered, since a region's id may contain characters that are
+  /// invalid in file names.
   std::string add(std::string_view name, std::string_view ending, std::vector<std::byte> bytes) {
     members_.push_back({fmt::format("{}-{}.{}", name, number_, ending), std::move(bytes)});
     return members_.back().name;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kXmlLimitBytes = std::size_t{64} << 20;
 
-/// Returns the offsets of one direction, as shares of the picture.
+/// Returns the offsets along one axis, as shares of the picture.
 Result<std::vector<double>> offsets_in(const XmlElement& definition, std::string_view name) {
   TRY_ASSIGN(const XmlElement element, definition.child(name));
   TRY_ASSIGN(const double range, element.number_attribute("range"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Text files line by line, with the line's number for errors.
+/// Text line by line, with line numbers for errors.
 #pragma once
 
 #include <fmt/format.h>
@@ -33,7 +33,7 @@ class TextLines {
     }
     return std::nullopt;
   }
-  /// Returns the location of next()'s last line: "line 12".
+  /// Returns the location of the line that next() returned last: "line 12".
   [[nodiscard]] std::string location() const { return fmt::format("line {}", number_); }
 
  private:
@@ -41,7 +41,7 @@ class TextLines {
   std::size_t number_ = 0;
 };
 
-/// Splits at blanks, or at `separator` if one is given (fields may then be empty).
+/// Splits a line at blanks, or at `separator` if one is given; fields may then be empty.
 inline std::vector<std::string_view> fields_of(std::string_view line, char separator = ' ') {
   std::vector<std::string_view> fields;
   const std::string_view ends = separator == ' ' ? std::string_view(" \t") : std::string_view(&separator, 1);
@@ -62,7 +62,7 @@ inline Result<double> number_of(std::string_view field, std::string_view locatio
   return *value;
 }
 
-/// Seven decimals, without a negative zero: the same after it was read.
+/// Prints seven decimals, without a negative zero: a number that is read from the text prints the same text.
 inline std::string decimals(double value) { return fmt::format("{:.7f}", std::abs(value) < 0.5e-7 ? 0.0 : value); }
 
 }  // namespace cyclorama::interchange

@@ -38,7 +38,7 @@ Result<WarpNet> read_mesh(const std::filesystem::path& path, const std::string& 
       fmt::format("'{}' ends like no warp file; use .mpcdi, .xml, .pfm, .data, .obj, .csv or .simcad", path.string()));
 }
 
-/// Returns the mesh to write: the one that was read if it serves, otherwise a grid over the region's map.
+/// Returns the mesh to write: the mesh that was read, if it can be used, otherwise a grid over the region's map.
 Result<WarpNet> mesh_of(const WarpFile& file, const WarpRegion& region, bool as_grid, const WarpFileOptions& options) {
   const bool serves = file.mesh && !options.grid && (!as_grid || file.mesh->triangles.empty());
   if (serves) return *file.mesh;

@@ -11,7 +11,7 @@
 namespace cyclorama::interchange {
 namespace {
 
-constexpr double kMaxCoordinate = 1000.0;  ///< In units of pictures; no projector's lens shift is as large.
+constexpr double kMaxCoordinate = 1000.0;  ///< In units of pictures, above any projector's lens shift.
 constexpr int kMaxGridSide = 4096;
 constexpr int kMaxRasterPx = 16384;
 

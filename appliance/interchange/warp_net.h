@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A warp as a net of nodes, each of which maps a position of the source picture to one of the projector's: the model
-/// of mesh formats (Bourke, OBJ, domeprojection, SimCAD), with conversions from and to maps per pixel.
+/// A warp as a net of nodes, each of which maps a position in the source picture to a position in the projector's
+/// picture. It is the common model of mesh formats (Bourke, OBJ, domeprojection, SimCAD), with conversions from and to
+/// maps per pixel.
 ///
 /// Both pictures have x or u to the right and y or v UP from the lower left corner, 0 to 1. All values; reentrant.
 #pragma once
@@ -15,11 +16,11 @@
 namespace cyclorama::interchange {
 
 struct WarpNode {
-  double x = 0.0;  ///< In the projector's picture; may lie outside of it.
+  double x = 0.0;  ///< In the projector's picture; may be outside of it.
   double y = 0.0;
   double u = 0.0;  ///< In the source picture.
   double v = 0.0;
-  double light = 1.0;  ///< A factor on linear light, 0 to 1. Negative: nothing is drawn around this node.
+  double light = 1.0;  ///< Factor on linear light, 0 to 1. If negative, nothing is drawn around this node.
   friend bool operator==(const WarpNode&, const WarpNode&) = default;
 };
 
@@ -29,12 +30,12 @@ using WarpTriangle = std::array<std::uint32_t, 3>;  ///< Indices of nodes.
 struct WarpNet {
   int columns = 0;
   int rows = 0;
-  bool closed = false;          ///< The last column is connected to the first (a polar grid).
-  std::vector<WarpNode> nodes;  ///< The nodes of a grid are stored row by row.
+  bool closed = false;          ///< True if the last column is connected to the first (a polar grid).
+  std::vector<WarpNode> nodes;  ///< Row by row in a grid.
   std::vector<WarpTriangle> triangles;
 
   /// Returns the triangles to draw: those of the net, or two per cell of the grid. Triangles with a node of negative
-  /// light are left out.
+  /// light are omitted.
   [[nodiscard]] std::vector<WarpTriangle> drawn() const;
   friend bool operator==(const WarpNet&, const WarpNet&) = default;
 };
@@ -43,16 +44,17 @@ inline constexpr std::size_t kMaxWarpNodes = std::size_t{1} << 22;
 inline constexpr std::size_t kMaxWarpTriangles = std::size_t{1} << 23;
 inline constexpr std::size_t kWarpTextLimitBytes = std::size_t{512} << 20;
 
-/// Errors: kBadData if counts do not match, numbers are not finite or far out of range, or a triangle's node is absent.
+/// Checks a net. Errors: kBadData if counts do not match, numbers are not finite or far out of range, or a triangle's
+/// node does not exist.
 [[nodiscard]] Status check(const WarpNet& net);
 
-/// Returns a region of the 2d profile: each pixel's centre is looked up in the triangle that covers it (the last one if
-/// they overlap), NaN if none does. Light becomes its alpha in 16 bits, unless it is 1 everywhere. Errors: kBadData as
-/// check(), or if no pixel is covered.
+/// Returns a region of the 2d profile. Each pixel's centre is interpolated in the triangle that covers it (the last of
+/// several); it is NaN if there is none. Light becomes the alpha in 16 bits, unless it is 1 everywhere. Errors: those
+/// of check(); kBadData if no pixel is covered.
 Result<WarpRegion> region_from(const WarpNet& net, const std::string& id, int width_px, int height_px);
 
-/// Returns an even grid over a flat map, at least 2 by 2: light from its alpha, -1 where nothing is mapped. Errors:
-/// kInvalidArgument if the region has no map, or the grid is out of range.
+/// Returns a regular grid of at least 2 by 2 nodes over a flat map. Light is that of the alpha, and -1 where nothing is
+/// mapped. Errors: kInvalidArgument if the region has no map, or the grid is out of range.
 Result<WarpNet> net_from(const WarpRegion& region, int columns, int rows);
 
 }  // namespace cyclorama::interchange

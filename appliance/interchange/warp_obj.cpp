@@ -16,7 +16,7 @@ namespace {
 using Pair = std::array<double, 2>;
 using Corner = std::pair<std::uint32_t, std::uint32_t>;  ///< Vertex and texture vertex, counted from 0.
 
-constexpr std::size_t kMaxCorners = 64;  ///< Limit for one face.
+constexpr std::size_t kMaxCorners = 64;  ///< Maximum number of corners of a face.
 constexpr std::array<std::string_view, 9> kPassedOver{"vn", "vp", "o", "g", "s", "l", "p", "usemtl", "mtllib"};
 
 class ObjReader {
@@ -111,7 +111,8 @@ class ObjReader {
     return {0.5 * (at[0] + 1.0), 0.5 * (at[1] + 1.0), from[0], from[1], 1.0};
   }
 
-  /// Vertices with a single texture vertex remain one node; otherwise each pair becomes a node.
+  /// Returns the net. If each vertex has one texture vertex, vertices become nodes; otherwise each pair of the two
+  /// does.
   [[nodiscard]] WarpNet joined() const {
     WarpNet net;
     bool is_paired = vertices_.size() == textures_.size();

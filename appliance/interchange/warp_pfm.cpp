@@ -11,7 +11,7 @@
 namespace cyclorama::interchange {
 namespace {
 
-/// Converts to grey, linear, 16 bits, which readers of such pairs assume.
+/// Converts a mask to linear grey of 16 bits, which readers of these pairs assume.
 MaskMap as_linear_grey16(const MaskMap& mask) {
   if (mask.channels == 1 && mask.bits == 16 && mask.gamma == 1.0) return mask;
   MaskMap grey(mask.width_px, mask.height_px, 1, 16);

@@ -23,7 +23,7 @@ struct Range {
   }
 };
 
-/// Returns the ranges of the mapped samples, so that maps in metres and narrow ones have contrast too.
+/// Returns the ranges of the mapped samples, by which maps in metres and maps of a narrow range get contrast, too.
 std::array<Range, 2> ranges_of(const WarpMap& map) {
   std::array<Range, 2> ranges;
   for (int y = 0; y < map.height(); ++y) {

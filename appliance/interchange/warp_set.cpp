@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kMaxSidePx = 65536;
 constexpr std::size_t kMaxIdLength = 256;
-constexpr double kAxisTolerance = 1e-3;  ///< Files have five decimals.
+constexpr double kAxisTolerance = 1e-3;  ///< Files may have only five decimals.
 
 std::string place_of(const WarpRegion& region) { return fmt::format("region '{}'", printable(region.id)); }
 
@@ -194,7 +194,7 @@ Status check(const WarpRegion& region, WarpProfile profile) {
                  fmt::format("give the projector's, 1 to {} each way", kMaxSidePx));
   }
   const RegionRect& r = region.rect;
-  constexpr double kSlack = 1e-6;  // Thirds and sevenths in decimals.
+  constexpr double kSlack = 1e-6;  // For rounded thirds and sevenths.
   const auto fits = [&](double at, double size) {
     return at >= -kSlack && at <= 1.0 + kSlack && size > 0.0 && at + size <= 1.0 + kSlack;
   };

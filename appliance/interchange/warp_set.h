@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A calibration of projectors in the form of other programs: the common model that every format here is read into and
-/// written from. Source: VESA, "MPCDI" (multiple projection common data interchange) 1.0 (2013) and 2.0 (2015), whose
-/// words it uses.
+/// Common model of other programs' calibrations of projectors: every format of this folder is read into it and written
+/// from it. Source: VESA, "MPCDI" (multiple projection common data interchange) 1.0 (2013) and 2.0 (2015), whose terms
+/// it uses.
 ///
 ///   WarpSet ─ buffers ─ regions: one projector each
 ///                        map         per sample, the source or target of the projector's light
 ///                        alpha       share of its light that a pixel gives (blend)
-///                        beta        light that a pixel adds, so that black is equal everywhere
+///                        beta        light that a pixel adds, so that black is uniform
 ///                        distortion  from an ideal lens to the real one (shader lamps)
 ///
-/// All are values. Maps have their first row at the top; row and column i lie at (i + 0.5) / count of the region, so
-/// that a map of the projector's own size has its samples on pixel centres. NaN marks samples that are not mapped.
+/// All are values. Maps have their first row at the top; row and column i are at (i + 0.5) / count of the region, so
+/// that the samples of a map of the projector's size are at the pixels' centres. NaN marks samples that are not mapped.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ enum class MpcdiVersion { k1_0, k2_0 };
 
 /// Contents of a region's map.
 enum class WarpProfile {
-  k2d,           ///< u, v in the region's part of a flat picture.
+  k2d,           ///< u, v in the region's part of the buffer's picture.
   k3d,           ///< u, v in the picture that the region's frustum sees.
   kAdvanced3d,   ///< x, y, z on the screen: right pictures for any eye.
   kShaderLamps,  ///< x, y, z on the object, and the projector's pose.
@@ -40,21 +40,21 @@ enum class WarpInterpolation { kUnknown, kLinear, kKeystone, kSmooth };
 /// Returns metres per unit; empty for kUnknown.
 [[nodiscard]] std::optional<double> metres_in(LengthUnit unit);
 
-/// Three numbers per sample. Flat: u to the right and v UP from the lower left corner, 0 to 1, and the third an error
-/// or 0. In space: x right, y up, z back (as in our rooms), in the region's unit.
+/// Three numbers per sample. Flat maps: u to the right and v UP from the lower left corner, 0 to 1; the third number is
+/// an error or 0. Maps in space: x right, y up, z back (as in frame::Room), in the region's unit.
 using WarpMap = Image<float, 3>;
 
-/// Compares bit by bit: NaN equals NaN.
+/// Returns whether two maps are equal bit by bit; NaN equals NaN.
 [[nodiscard]] bool same_bits(const WarpMap& a, const WarpMap& b);
 
-/// A mask in the form of its PNG, so that conversions lose nothing.
+/// A mask with the samples of its PNG, so that conversions lose nothing.
 struct MaskMap {
   int width_px = 0;
   int height_px = 0;
   int channels = 1;  ///< 1 or 3 (red, green, blue).
   int bits = 16;     ///< 8 or 16.
   std::vector<std::uint16_t> samples;
-  double gamma = 1.0;  ///< Light is (sample / largest sample) to this power.
+  double gamma = 1.0;  ///< Light is (sample / largest()) to this power.
 
   MaskMap() = default;
   MaskMap(int width, int height, int channel_count, int bit_count);
@@ -64,7 +64,7 @@ struct MaskMap {
   friend bool operator==(const MaskMap&, const MaskMap&) = default;
 };
 
-/// Rectangle of a region in its buffer's picture, from that picture's lower left corner; the whole picture is 0 to 1.
+/// Rectangle of a region in the buffer's picture, from the lower left corner; the whole picture is 0 to 1.
 struct RegionRect {
   double x = 0.0;
   double y = 0.0;
@@ -73,8 +73,9 @@ struct RegionRect {
   friend bool operator==(const RegionRect&, const RegionRect&) = default;
 };
 
-/// The frustum of a region, in degrees. From the view along -z with y up, it is first turned to the right by yaw, then
-/// up by pitch, then clockwise (as the viewer sees it) by roll. In a centred one, left and down are negative.
+/// Frustum of a region, in degrees. Starting from the view along -z with y up, the view is first turned to the right by
+/// yaw, then up by pitch, then clockwise (as the viewer sees it) by roll. In a centred frustum, left and down are
+/// negative.
 struct WarpFrustum {
   double yaw_deg = 0.0;
   double pitch_deg = 0.0;
@@ -86,7 +87,8 @@ struct WarpFrustum {
   friend bool operator==(const WarpFrustum&, const WarpFrustum&) = default;
 };
 
-/// Position of a projector, and the axes of its frustum's angles: unit vectors; usually down, right and forward.
+/// Position of a projector, and the axes of the frustum's yaw, pitch and roll: unit vectors, usually down, right and
+/// forward.
 struct WarpCoordinateFrame {
   double position[3] = {0.0, 0.0, 0.0};
   double yaw[3] = {0.0, -1.0, 0.0};
@@ -116,7 +118,7 @@ struct WarpRegion {
 /// One picture that several regions share.
 struct WarpBuffer {
   std::string id;
-  int width_px = 0;  ///< 0: not specified.
+  int width_px = 0;  ///< 0 if not specified.
   int height_px = 0;
   std::vector<WarpRegion> regions;
   friend bool operator==(const WarpBuffer&, const WarpBuffer&) = default;
@@ -125,29 +127,29 @@ struct WarpBuffer {
 struct WarpSet {
   WarpProfile profile = WarpProfile::k2d;
   MpcdiVersion version = MpcdiVersion::k2_0;
-  std::string date;      ///< Unchanged from the file.
-  int level = 1;         ///< MPCDI 1.0: levels 2 and 4 have beta maps. MPCDI 2.0: the level of the geometry.
+  std::string date;      ///< Text of the file, unchanged.
+  int level = 1;         ///< MPCDI 1.0: with beta maps in levels 2 and 4. MPCDI 2.0: level of the geometry.
   int colour_level = 1;  ///< MPCDI 2.0.
   std::vector<WarpBuffer> buffers;
 
-  /// Returns the region of that id in any buffer; null if there is none.
+  /// Returns the region with the id in any buffer; null if there is none.
   [[nodiscard]] const WarpRegion* region(const std::string& id) const;
   friend bool operator==(const WarpSet&, const WarpSet&) = default;
 };
 
-/// Limits of files, whose sizes are untrusted.
+/// Limits for files, whose contents are untrusted.
 struct WarpLimits {
-  std::size_t map_px = std::size_t{36} << 20;      ///< Samples of one map or mask; a projector of 8K has 33 million.
+  std::size_t map_px = std::size_t{36} << 20;      ///< Samples of one map or mask; an 8K projector has 33 million.
   std::size_t total_bytes = std::size_t{4} << 30;  ///< All unpacked bytes of one file.
   std::size_t file_bytes = std::size_t{2} << 30;   ///< Size on the disk.
   std::size_t regions = 64;
 };
 
-/// Checks whether a set can be written or used; the error has a reader's form: "region 'left': ...; remedy". Errors:
-/// kBadData if sizes or counts are invalid, numbers are not finite, ids are not unique, or parts that the profile needs
-/// are missing.
+/// Checks whether a set can be written or used. Errors have the form of fault(), "region 'left': ...; remedy": kBadData
+/// if sizes or counts are invalid, numbers are not finite, ids are not unique, or parts that the profile needs are
+/// missing.
 [[nodiscard]] Status check(const WarpSet& set);
-/// Checks one region on its own, like check() of a set.
+/// Checks a single region in the same way.
 [[nodiscard]] Status check(const WarpRegion& region, WarpProfile profile);
 
 }  // namespace cyclorama::interchange

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// XML with locations for strict readers, whose errors name the line. Adapter of pugixml.
+/// XML elements with their locations, so that readers' errors can name the line. Adapter of pugixml.
 ///
-/// Names are case-insensitive, because exporters do not agree ("Xresolution", "xResolution"); a duplicate name is a
-/// fault if only one is allowed.
+/// Names are case-insensitive, because exporters differ ("Xresolution", "xResolution"). A duplicate child is a fault
+/// where only one is allowed.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@
 
 namespace cyclorama::interchange {
 
-/// One element. Borrows the XmlDocument.
+/// An element of an XmlDocument, which it borrows.
 class XmlElement {
  public:
   [[nodiscard]] std::string_view name() const { return node_.name(); }
@@ -24,23 +24,23 @@ class XmlElement {
   /// Returns "mpcdi.xml, line 12, <region>".
   [[nodiscard]] std::string location() const;
 
-  /// Returns the children of that name, in order.
+  /// Returns the children with a name, in order.
   [[nodiscard]] std::vector<XmlElement> children(std::string_view name) const;
   [[nodiscard]] std::vector<XmlElement> all_children() const;
-  /// Empty if there is none; a fault if there are two.
+  /// Returns the child with a name; empty if there is none, a fault if there are several.
   Result<std::optional<XmlElement>> optional_child(std::string_view name) const;
   Result<XmlElement> child(std::string_view name) const;
 
   Result<std::optional<std::string>> optional_attribute(std::string_view name) const;
   Result<std::string> attribute(std::string_view name) const;
-  /// Returns a finite number.
+  /// Returns an attribute as a number; a fault if it is not finite.
   Result<double> number_attribute(std::string_view name) const;
-  /// Empty if there is none.
+  /// Returns an attribute as a count of at most `max`; empty if there is none.
   Result<std::optional<int>> optional_count_attribute(std::string_view name, int max) const;
 
   /// Returns the text without surrounding blanks.
   [[nodiscard]] std::string text() const;
-  /// Returns the number in the text of a required child; finite.
+  /// Returns the text of a required child as a number; a fault if it is not finite.
   Result<double> number_in(std::string_view child_name) const;
 
  private:
@@ -50,11 +50,11 @@ class XmlElement {
   const class XmlDocument* document_ = nullptr;
 };
 
-/// Immovable, since elements point to it. Thread-bound.
+/// A parsed document. Immovable, since elements point to it. Thread-bound.
 class XmlDocument {
  public:
-  /// `name` stands for the file in locations. Errors: kBadData if the XML is not well-formed (with its line), or
-  /// exceeds `limit_bytes`.
+  /// Parses a document. `name` is the file's name in locations. Errors: kBadData if the XML is not well-formed (with
+  /// the line), or exceeds `limit_bytes`.
   static Result<std::unique_ptr<XmlDocument>> parse(std::string_view text, std::string name, std::size_t limit_bytes);
   XmlDocument(const XmlDocument&) = delete;
   XmlDocument& operator=(const XmlDocument&) = delete;

@@ -15,13 +15,13 @@ namespace {
 
 constexpr zip_int64_t kMaxMembers = 1024;
 constexpr std::size_t kMaxNameLength = 512;
-constexpr std::uint64_t kMaxExpansion = 1032;  ///< Maximum expansion of deflate: zlib, "Technical Details".
+constexpr std::uint64_t kMaxExpansion = 1032;  ///< Maximum expansion of deflate. Source: zlib, "Technical Details".
 constexpr std::uint64_t kSlackBytes = 1024;
-constexpr int kQuick = 1;  ///< Measured maps hardly shrink at any level.
+constexpr int kQuick = 1;  ///< Fast, since measured maps hardly shrink at any level.
 constexpr zip_uint16_t kNewYear1980 = 1 << 5 | 1;
 constexpr zip_uint32_t kUnixKind = S_IFMT;
 
-/// Owns a zip_error_t; its text lives as long as this.
+/// Owns a zip_error_t, and with it the error's text.
 class ZipFault {
  public:
   ZipFault() { zip_error_init(&error_); }
@@ -144,7 +144,7 @@ Result<std::vector<std::byte>> ZipReader::read(const std::string& name) {
     done += static_cast<std::size_t>(n);
   }
   std::byte more{};
-  if (const zip_int64_t n = zip_fread(file.get(), &more, 1); n != 0) {  // Compares the checksum at the end.
+  if (const zip_int64_t n = zip_fread(file.get(), &more, 1); n != 0) {  // Reading to the end verifies the checksum.
     return fault(location, n > 0 ? "it is longer than it says" : zip_file_strerror(file.get()),
                  "copy or export the file again");
   }

@@ -20,17 +20,17 @@ struct ZipMember {
   std::vector<std::byte> bytes;
 };
 
-/// Thread-bound. Borrows the archive's bytes for its lifetime.
+/// Reads the members of an archive, whose bytes it borrows. Thread-bound.
 class ZipReader {
  public:
-  /// Refuses absolute names, names with "..", backslashes or control characters, duplicate names (in any case), links,
-  /// encryption, more than 1024 members, and members whose declared size exceeds what deflate can expand to. Errors:
-  /// kBadData with the member and the remedy.
+  /// Opens an archive. Refuses absolute names, names with "..", backslashes or control characters, duplicate names
+  /// (compared without case), links, encryption, more than 1024 members, and members whose declared size is larger than
+  /// deflate can produce. Errors: kBadData with the member and the remedy.
   static Result<ZipReader> open(std::span<const std::byte> archive, std::size_t limit_bytes);
 
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
-  /// Unpacks a member and verifies its checksum. The sum of all that one reader unpacks keeps to the limit of open().
-  /// Errors: kBadData if there is no such member, or it is damaged or too large.
+  /// Unpacks a member and verifies its checksum. All members that a reader unpacks together have at most the
+  /// `limit_bytes` of open(). Errors: kBadData if there is no such member, or it is damaged or too large.
   Result<std::vector<std::byte>> read(const std::string& name);
 
  private:
@@ -42,7 +42,7 @@ class ZipReader {
   std::size_t left_bytes_ = 0;
 };
 
-/// Packs members with deflate, in this order, without times: the same members give the same bytes.
+/// Packs members with deflate, in their order and without times, so that equal members give equal bytes.
 Result<std::vector<std::byte>> write_zip(std::span<const ZipMember> members);
 
 }  // namespace cyclorama::interchange

@@ -11,11 +11,10 @@ namespace cyclorama::photometry {
 namespace {
 
 constexpr double kFeather_px = 96.0;  // Width of the fade at a map's end inside another projector's picture.
-constexpr double kDeep_px = 48.0;     // A point this far inside its map belongs to it beyond doubt.
-constexpr double kMinWeight = 1e-6;   // Lower bound, so that the weights never all vanish.
-// If another picture extends beyond a side by less than this, the side does not fade. Two nearly coincident sides would
-// cross many times because of the maps' noise, and where they cross at the rim of the lit area, the weights nearly
-// jump.
+constexpr double kDeep_px = 48.0;     // A point this far inside a map is certainly covered by it.
+constexpr double kMinWeight = 1e-6;   // Lower bound, so that the sum of weights is never 0.
+// A side fades only if another picture extends beyond it by this much. Two nearly coincident sides cross many times
+// because of the maps' noise, and the weights would nearly jump at each crossing on the rim of the lit area.
 constexpr double kBeyond_px = 2.0;
 constexpr double kStep_px = 4.0;  // Step along a side.
 constexpr int kHalvings = 20;
@@ -25,7 +24,7 @@ double smooth_step(double x) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-/// Computes the distance in pixels from each control point to the nearest one with distance 0, by two sweeps.
+/// Computes the distance in pixels from each control point to the nearest control point with distance 0, by two sweeps.
 /// Source: Borgefors, "Distance transformations in digital images", CVGIP 34 (3), 1986.
 void spread(const calibration::MapGrid& grid, std::vector<double>* distances) {
   const double across = grid.cell_width();
@@ -73,7 +72,7 @@ double interpolated(const std::vector<double>& values, const calibration::MapGri
   return sum;
 }
 
-/// Returns 0 on the stretches and 1 from `radius_px` on, where the slope is 0.
+/// Returns t (2 - t), where t is the distance from the stretches relative to `radius_px`, at most 1.
 template <typename Stretches>
 double risen(const Stretches& stretches, const Eigen::Vector2d& pixel, double radius_px) {
   double min = radius_px;
@@ -130,7 +129,7 @@ std::vector<BlendWeights::Stretch> BlendWeights::covered(std::size_t picture, co
     const double here = static_cast<double>(i) / steps;
     const bool is_on = is_on_another(picture, map, position(here));
     if (is_on != was_on) {
-      // The end of a stretch lies between the previous step and this one; at the side's beginning it is the beginning.
+      // The stretch begins or ends between the previous step and this one, or at the side's beginning.
       double low = i == 0 ? here : static_cast<double>(i - 1) / steps;
       double high = here;
       for (int halving = 0; halving < kHalvings && low < high; ++halving) {
@@ -145,8 +144,7 @@ std::vector<BlendWeights::Stretch> BlendWeights::covered(std::size_t picture, co
   return stretches;
 }
 
-/// Computes the distance of each control point to the end of its map, then keeps the ends that lie deep inside another
-/// map.
+/// Computes the distance of each control point from the ends of its map that lie deep inside another map.
 void BlendWeights::find_inner_ends(const std::vector<PhotometricProjector>& projectors) {
   std::vector<std::vector<double>> any_end;
   constexpr double kFar_px = 1e5;

@@ -7,7 +7,7 @@ namespace cyclorama::photometry {
 
 CameraResponse CameraResponse::linear(int intervals) {
   CameraResponse response;
-  // A B-spline whose coefficients equal the positions of its knots is the identity.
+  // A cubic B-spline whose coefficients are the positions of its knots is the identity.
   for (int i = -1; i <= intervals + 1; ++i) response.coefficients.push_back(static_cast<double>(i) / intervals);
   return response;
 }

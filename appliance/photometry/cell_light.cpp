@@ -26,7 +26,7 @@ struct Mean {
   [[nodiscard]] double sigma() const { return 1.0 / std::sqrt(weight); }
 };
 
-/// Light per unit of exposure, with its sigma.
+/// Light per unit of exposure, and its sigma.
 struct Linear {
   double light = 0.0;
   double sigma = 0.0;
@@ -74,7 +74,7 @@ ChannelLight channel_light(const ProjectorView& view, std::size_t cell, std::siz
     }
     const std::size_t light = primary_of(reading.light);
     const double part = curves.at(light).light_of(reading.level);
-    // At dark levels the uncertainty of the curve exceeds the information about the light.
+    // At dark levels the curve is too uncertain to give the primary's light.
     if (part > 0.2) result.primaries.at(light).add(seen->light - *black, part, sigma);
   }
   return result;

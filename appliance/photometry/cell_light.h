@@ -11,8 +11,8 @@
 
 namespace cyclorama::photometry {
 
-/// Light of one cell of a projector's picture, seen from one stop of the turntable: linear, per unit of exposure. A
-/// channel that the camera lacks equals the first.
+/// Linear light, per unit of exposure, of one cell of a projector's picture as seen from one stop of the turntable. For
+/// a camera without colour all channels are equal.
 struct CellLight {
   std::size_t cell = 0;
   Eigen::Vector3d black = Eigen::Vector3d::Zero();
@@ -21,10 +21,10 @@ struct CellLight {
   bool has_primaries = false;
   Eigen::Vector3d white = Eigen::Vector3d::Zero();  ///< Above black.
   bool has_white = false;
-  double sigma = 0.0;  ///< Relative standard deviation of white, or of the sum of the primaries if there is no white.
+  double sigma = 0.0;  ///< Relative standard deviation of white or, without white, of the primaries' sum.
 };
 
-/// Returns the cells whose black and at least one bright light were seen. Reentrant.
+/// Returns the light of the cells for which black and at least one bright light were seen. Reentrant.
 [[nodiscard]] std::vector<CellLight> cell_lights(const PhotometryInput& input, const ProjectorView& view,
                                                  const CameraResponse& camera,
                                                  const std::array<ChannelResponse, 3>& curves);

@@ -14,12 +14,12 @@ namespace {
 constexpr int kSteps = 1024;
 /// Light that varies by less than this fraction of full scale is flat: half a step of an 8-bit code at a gamma of 2.2.
 constexpr double kFlat = 0.004;
-constexpr double kFlatBelow = 0.97;  // A flat part that begins later is harmless.
+constexpr double kFlatBelow = 0.97;  // A flat part that begins at a higher code is harmless.
 constexpr double kDark = 0.001;
-constexpr double kDarkAbove = 0.2;  // A gamma of 4 gives 0.0016 here.
+constexpr double kDarkAbove = 0.2;  // A gamma of 4 gives a light of 0.0016 here.
 constexpr double kFall = 0.003;
 
-/// Returns the power that makes the curve nearly straight, which makes its interpolation accurate.
+/// Returns the power that makes the curve nearly straight, so that its interpolation is accurate.
 double straightening_power(std::span<const ResponsePoint> points) {
   double xx = 0.0;
   double xy = 0.0;
@@ -32,7 +32,8 @@ double straightening_power(std::span<const ResponsePoint> points) {
   return xx > 0.0 ? std::clamp(xy / xx, 0.5, 5.0) : 2.2;
 }
 
-/// Adds the point at which the light stops growing, extrapolated from the slope before it; it lies between two points.
+/// Adds the point, between two others, at which the light stops increasing; it is extrapolated from the slope before
+/// it.
 void add_kink(std::vector<ResponsePoint>* points, ChannelResponse* response) {
   std::size_t flat = points->size() - 1;
   while (flat > 0 && (*points)[flat - 1].light >= 1.0 - std::max(kFlat, 3.0 * (*points)[flat - 1].sigma)) --flat;
@@ -63,7 +64,7 @@ warp::ResponseCurve ChannelResponse::inverse(std::size_t steps) const {
   double code = 0.0;
   for (std::size_t step = 0; step < steps; ++step) {
     const double root = static_cast<double>(step) / static_cast<double>(steps - 1);
-    // The last value is slightly below 1, which an asymptotic curve would never reach.
+    // The largest light is slightly below 1, since an asymptotic curve never reaches 1.
     const double wanted = std::min(root * root, 1.0 - 1e-9);
     while (i + 1 < light.size() && light[i + 1] < wanted) ++i;
     if (i + 1 < light.size() && wanted > 0.0) {

@@ -20,20 +20,20 @@ struct ResponsePoint {
 
 /// Response of a projector's channel: light for each code value, 0 at code 0 and 1 at its maximum. A value; reentrant.
 struct ChannelResponse {
-  std::vector<double> light;           ///< At equal steps of the code value from 0 to 1; at least two. Any shape.
+  std::vector<double> light;           ///< At equal steps of the code value from 0 to 1; at least two values.
   double sigma = 0.0;                  ///< Standard deviation of `light`: RMS over the measured points.
   std::optional<double> flat_above{};  ///< Code value above which the light no longer increases.
   std::optional<double> dark_below{};  ///< Code value up to which the channel gives no light.
   std::optional<double> falls_at{};    ///< Code value above which the light decreases as the code grows.
 
   [[nodiscard]] double light_of(double level) const;
-  /// Returns the smallest code value for each light. Exact for every continuous response, even one that decreases for a
-  /// while, because codes past the first crossing are not used.
+  /// Returns the smallest code value for each light. This inverts every continuous response, even one that decreases in
+  /// between, because only the first crossing of each light is used.
   [[nodiscard]] warp::ResponseCurve inverse(std::size_t steps = 1024) const;
 };
 
-/// Fits a smooth curve through the points, monotone where they are. Errors: kInvalidArgument if there are fewer than 3
-/// points, the levels do not increase from 0 to 1, or no point has light. Reentrant.
+/// Fits a smooth curve through the points; it is monotone where the points are. Errors: kInvalidArgument if there are
+/// fewer than 3 points, the levels do not increase from 0 to 1, or no point has light. Reentrant.
 Result<ChannelResponse> channel_response(std::span<const ResponsePoint> points);
 
 /// Returns defects of the response with their remedies, for the installer; empty if there are none. `whose` is, for

@@ -12,11 +12,11 @@
 namespace cyclorama::photometry {
 namespace {
 
-constexpr double kMinGamutArea = 1e-4;  // Minimum area of a chromaticity triangle; that of the whole plane is 0.5.
+constexpr double kMinGamutArea = 1e-4;  // Minimum area of a chromaticity triangle; that of all colours is 0.5.
 
 using Polygon = std::vector<Eigen::Vector2d>;
 
-/// Returns the chromaticity: each channel as a fraction of the sum.
+/// Returns the chromaticity: red and green as fractions of the sum of the channels.
 Eigen::Vector2d chromaticity(const Eigen::Vector3d& colour) {
   const double sum = colour.sum();
   return {colour.x() / sum, colour.y() / sum};
@@ -29,7 +29,8 @@ double twice_area(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eige
   return cross(b - a, c - a);
 }
 
-/// Source: Sutherland and Hodgman, "Reentrant Polygon Clipping", CACM 17 (1), 1974. `triangle` is counterclockwise.
+/// Returns the part of a polygon inside a triangle, which is counterclockwise. Source: Sutherland and Hodgman,
+/// "Reentrant Polygon Clipping", CACM 17 (1), 1974.
 Polygon clipped(Polygon polygon, const std::array<Eigen::Vector2d, 3>& triangle) {
   for (std::size_t edge = 0; edge < 3; ++edge) {
     const Eigen::Vector2d a = triangle.at(edge);
@@ -62,7 +63,7 @@ std::array<Eigen::Vector2d, 3> triangle_of(const Eigen::Matrix3d& primaries) {
   return {chromaticity(primaries.col(0)), chromaticity(primaries.col(1)), chromaticity(primaries.col(2))};
 }
 
-/// Returns the largest triangle over all triples of corners, ordered so that they are nearest to red, green and blue.
+/// Returns the largest triangle of three corners, ordered so that its corners are nearest to red, green and blue.
 std::array<Eigen::Vector2d, 3> largest_triangle(const Polygon& polygon, const std::array<Eigen::Vector2d, 3>& wanted) {
   std::array<Eigen::Vector2d, 3> best = wanted;
   double best_area = 0.0;
@@ -89,8 +90,8 @@ std::array<Eigen::Vector2d, 3> largest_triangle(const Polygon& polygon, const st
   return {best.at(nearest[0]), best.at(nearest[1]), best.at(nearest[2])};
 }
 
-/// Returns the white of luminance 1 whose largest channel is smallest: a linear programme in two unknowns, whose
-/// solution is a point where three of its bounds meet.
+/// Returns the white of luminance 1 whose largest channel is smallest. This is a linear programme in two unknowns,
+/// whose solution is a point where three of its bounds meet.
 Eigen::Vector3d cheapest_white(const std::vector<Eigen::Matrix3d>& inverses, const Eigen::Vector3d& luminance) {
   std::vector<Eigen::Vector3d> rows;
   for (const Eigen::Matrix3d& inverse : inverses) {
@@ -109,7 +110,7 @@ Eigen::Vector3d cheapest_white(const std::vector<Eigen::Matrix3d>& inverses, con
         Eigen::Matrix3d meeting;
         meeting << rows[i].transpose(), rows[j].transpose(), rows[k].transpose();
         if (!(std::abs(meeting.determinant()) > 1e-12)) continue;
-        // Makes three channels equal, then scales to luminance 1.
+        // The white for which these three channels are equal, scaled to luminance 1.
         Eigen::Vector3d white = meeting.inverse() * Eigen::Vector3d::Ones();
         const double light = luminance.dot(white);
         if (!(light > 1e-9)) continue;
@@ -169,14 +170,14 @@ Result<CommonGamut> common_gamut(std::span<const Eigen::Matrix3d> primaries, con
   Eigen::Vector3d white = cheapest_white(inverses, luminance);
   Eigen::Vector3d shares = directions.inverse() * white;
   if (!(shares.minCoeff() > 1e-3 * shares.maxCoeff())) {
-    // The optimal white lies outside the triangle; the triangle's centre is a white that all can make.
+    // The optimal white lies outside the triangle; every projector can show the triangle's centre.
     white = directions * Eigen::Vector3d::Ones();
     white /= luminance.dot(white);
     shares = directions.inverse() * white;
   }
   result.wall = directions * shares.asDiagonal();
   for (const Eigen::Matrix3d& inverse : inverses) {
-    // Only rounding makes entries negative.
+    // Negative entries come from rounding only.
     const Eigen::Matrix3d matrix = (inverse * result.wall).cwiseMax(0.0);
     const double max = matrix.rowwise().sum().maxCoeff();
     result.matrices.emplace_back(matrix / max);

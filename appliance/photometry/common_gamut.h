@@ -17,18 +17,18 @@
 namespace cyclorama::photometry {
 
 struct CommonGamut {
-  Eigen::Matrix3d wall;  ///< Columns: the common red, green and blue; they add up to a white of luminance 1.
-  /// Per projector: from the common red, green and blue to its own; no row adds up to more than 1.
+  Eigen::Matrix3d wall;  ///< Columns: the common red, green and blue, whose sum has luminance 1.
+  /// Per projector: matrix from the common primaries to the projector's; no row adds up to more than 1.
   std::vector<Eigen::Matrix3d> matrices;
-  /// Per projector: luminance of its brightest common white relative to that of its own white.
+  /// Per projector: luminance of its brightest common white relative to that of its native white.
   std::vector<double> kept;
   double area_kept = 1.0;  ///< Area of the common triangle relative to that of the smallest projector triangle.
 };
 
-/// `primaries`: the columns are a projector's red, green and blue in the camera's linear colours; `luminance` weights
-/// these channels. The common white is the one with which the worst-off projector loses least luminance.
-/// Errors: kBadData, with the projector's name, if its primaries do not form a triangle or the triangles do not
-/// intersect. Reentrant.
+/// Computes the common gamut. The columns of `primaries` are a projector's red, green and blue in the camera's linear
+/// colours; `luminance` weights these channels. The common white is chosen so that the largest loss of luminance of any
+/// projector is smallest. Errors: kBadData, with the projector's name, if its primaries do not form a triangle or the
+/// triangles do not intersect. Reentrant.
 Result<CommonGamut> common_gamut(std::span<const Eigen::Matrix3d> primaries, const Eigen::Vector3d& luminance,
                                  std::span<const std::string> names);
 

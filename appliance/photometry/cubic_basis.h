@@ -6,15 +6,14 @@
 
 namespace cyclorama::photometry {
 
-/// Weights and derivatives of the four coefficients that determine a uniform cubic B-spline at one point; the spline is
-/// smooth to its second derivative.
+/// Weights and derivatives of the four coefficients that determine a uniform cubic B-spline at one point.
 struct CubicWeights {
-  int first = 0;  ///< Index of the first of the four; there are intervals + 3 coefficients.
+  int first = 0;  ///< Index of the first of these coefficients, of which there are intervals + 3.
   std::array<double, 4> value{};
   std::array<double, 4> slope{};  ///< Derivatives by x, in intervals.
 };
 
-/// `x` counts intervals, from 0 to `intervals`; values outside are clamped.
+/// Returns the weights at `x`, which counts intervals; it is clamped to [0, intervals].
 [[nodiscard]] inline CubicWeights cubic_weights(double x, int intervals) {
   const double at = x > 0.0 ? std::min(x, static_cast<double>(intervals)) : 0.0;
   CubicWeights w;

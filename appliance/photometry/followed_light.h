@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Carries the brightness and colours of a calibration over to the maps of another that has none of its own.
+/// Carries the brightness and colours of a calibration over to the maps of another calibration.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,11 +22,11 @@ struct FollowedLight {
   Photometry photometry;  ///< Result of reblended().
 };
 
-/// `own_folder` holds colours.json and light.json of the calibration whose maps are `before`; `after` are the same
-/// projectors in the same order. `inverse_depth` as in move_light(): 1 everywhere if no wall is known. Returns nothing
-/// if that calibration had no colours.
-/// Errors: kBadData or kNotFound if its files cannot be used; kInvalidArgument if the projectors differ; otherwise
-/// those of reblended(). Takes seconds.
+/// Computes masks and colours for the maps of `after` from colours.json and light.json in `own_folder`, the folder of
+/// the calibration whose maps are `before`; both have the same projectors in the same order. For `inverse_depth` see
+/// move_light(); it is 1 everywhere if no wall is known. Returns nothing if the old calibration had no colours. Errors:
+/// kBadData or kNotFound if the files cannot be used; kInvalidArgument if the projectors differ; otherwise those of
+/// reblended(). Takes seconds.
 Result<std::optional<FollowedLight>> follow_light(const std::filesystem::path& own_folder,
                                                   std::span<const calibration::CalibratedProjector> before,
                                                   std::span<const calibration::CalibratedProjector> after,

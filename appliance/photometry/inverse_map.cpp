@@ -11,7 +11,7 @@ namespace cyclorama::photometry {
 namespace {
 
 constexpr double kMaxBins = 4e5;
-/// Charts bend lines, so a triangle may exceed its corners' bounding box by this fraction of its size.
+/// A chart bends lines, so a triangle may exceed the bounding box of its corners by this fraction of the box's size.
 constexpr double kBulge = 0.05;
 constexpr double kOnEdge = 1e-9;
 
@@ -55,7 +55,7 @@ InverseMap::InverseMap(const calibration::MeasuredMap& map, const calibration::D
   columns_ = std::clamp(static_cast<int>(size.x() * bins_per_rad_) + 1, 1, static_cast<int>(kMaxBins));
   rows_ = std::clamp(static_cast<int>(size.y() * bins_per_rad_) + 1, 1, static_cast<int>(kMaxBins));
   if (static_cast<double>(columns_) * rows_ > 4.0 * kMaxBins) {
-    // The map is a line, so one row of bins suffices.
+    // The map is nearly a line, so larger bins suffice.
     bins_per_rad_ = 1000.0 / size.maxCoeff();
     columns_ = static_cast<int>(size.x() * bins_per_rad_) + 1;
     rows_ = static_cast<int>(size.y() * bins_per_rad_) + 1;

@@ -11,19 +11,19 @@
 
 namespace cyclorama::photometry {
 
-/// The exact inverse of MeasuredMap::direction_at(): from a direction to a projector's pixel. Reentrant.
+/// Exact inverse of MeasuredMap::direction_at(): maps a direction to a projector's pixel. Reentrant.
 class InverseMap {
  public:
-  /// Errors: kInvalidArgument if the map has no directions, its counts are inconsistent, or it surrounds the sweet
-  /// spot.
+  /// Inverts a map. Errors: kInvalidArgument if the map has no directions, its counts are inconsistent, or it surrounds
+  /// the sweet spot.
   static Result<InverseMap> make(const calibration::MeasuredMap& map);
 
-  /// Returns nothing if the projector's picture does not cover the direction. `direction` has unit length.
+  /// Returns the pixel of a direction of unit length; nothing if the projector's picture does not cover it.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_at(const Eigen::Vector3d& direction) const;
 
  private:
   struct Triangle {
-    Eigen::Matrix3d shares;  ///< Matrix from a direction to its barycentric weights.
+    Eigen::Matrix3d shares;  ///< Matrix from a direction to its barycentric coordinates.
     Eigen::Matrix<double, 2, 3> corners_px;
   };
   InverseMap(const calibration::MeasuredMap& map, const calibration::DirectionChart& chart);

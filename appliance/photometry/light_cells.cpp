@@ -10,9 +10,9 @@ namespace cyclorama::photometry {
 namespace {
 
 constexpr float kClipped = 0.98f;
-constexpr double kMaxClipped = 0.01;  // Fraction of a cell's pixels, so that a hot pixel does not spoil it.
-constexpr int kRim = 2;               // Camera pixels whose light the lens mixes with that of their neighbours.
-constexpr float kBorder_px = 4.0f;    // Projector pixels at the rim whose light is reduced by blur.
+constexpr double kMaxClipped = 0.01;  // Fraction of a cell's pixels; not 0, because of hot pixels.
+constexpr int kRim = 2;               // Width of the rim, in camera pixels, in which the lens mixes light.
+constexpr float kBorder_px = 4.0f;    // Width of the rim, in projector pixels, whose light blur reduces.
 
 int count_of(int pixels, int cell_px) { return std::max(1, (pixels + cell_px / 2) / cell_px); }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// light.json: the projectors' light from which the brightness and colours of a calibration were computed, so that
-/// masks can follow a moved projector without new photographs of its light.
+/// light.json: the projectors' light from which the brightness and colours of a calibration were computed, so that new
+/// masks for a displaced projector need no new photographs of its light.
 ///
 ///     FOLDER/calibrations/DATE/light.json      beside colours.json
 ///
@@ -24,19 +24,20 @@ namespace cyclorama::photometry {
 
 struct SavedLight {
   std::vector<std::string> names;  ///< Names of the projectors.
-  WallLighting lighting;           ///< The input of the masks, without vignetting and remarks.
+  WallLighting lighting;           ///< Input of the masks, without vignetting.
 };
 
 [[nodiscard]] std::string light_json(const SavedLight& light);
-/// Inverse of light_json(). Errors: kBadData, as in "light.json: /projectors/0/black_level: ...; remedy", like
-/// parse_calibration().
+/// Parses the result of light_json(). `name` is the file's name in errors. Errors: kBadData, as in "light.json:
+/// /projectors/0/black_level: ...; remedy".
 Result<SavedLight> parse_light(std::string_view text, const std::string& name);
 
-/// Returns the file for save_calibration(), which writes it before the calibration takes effect. Errors:
+/// Returns light.json as a part for save_calibration(), which writes it before the calibration takes effect. Errors:
 /// kInvalidArgument if the numbers of projectors and of their lighting differ.
 Result<calibration::CalibrationPart> light_part(std::span<const calibration::CalibratedProjector> projectors,
                                                 const WallLighting& lighting);
-/// Errors: kNotFound if there is no such file; otherwise those of parse_light().
+/// Reads light.json from a calibration's folder. Errors: kNotFound if there is no such file; otherwise those of
+/// parse_light().
 Result<WallLighting> read_light(const std::filesystem::path& own_folder);
 
 }  // namespace cyclorama::photometry

@@ -16,12 +16,12 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTargetStep_rad = 0.35 * kDegree;
 constexpr double kBlur_rad = 1.0 * kDegree;
-// Half width of the zone about a border: two standard deviations of the blur.
+// Half width of the zone around a border: two standard deviations of the blur.
 constexpr double kBeside_rad = 2.0 * kDegree;
-constexpr double kNoShare = 1e-3;  // A projector with a smaller share of a point does not limit it.
+constexpr double kNoShare = 1e-3;  // A projector with a smaller share does not limit a point's light.
 constexpr int kStep_px = 2;        // Masks are smooth, so every other pixel suffices.
-constexpr float kSteep = 0.03f;    // Maximum change of a weight over a step that is interpolated.
-// Maximum bend of a weight over such a step; interpolation errs by an eighth of the bend.
+constexpr float kSteep = 0.03f;    // Maximum change of a weight over an interpolated step.
+// Maximum bend of a weight over an interpolated step; the interpolation's error is an eighth of the bend.
 constexpr float kBent = 0.004f;
 constexpr double kMinBlackLift = 1e-7;
 
@@ -30,10 +30,10 @@ struct PixelShare {
   bool is_lit = false;
   float mask = 0.0f;
   float weight = 0.0f;
-  float black_lift = 0.0f;  ///< Relative to the head's own white at that pixel; not yet scaled.
+  float black_lift = 0.0f;  ///< Relative to the head's white at that pixel; not scaled yet.
 };
 
-/// Values of every kStep_px-th pixel along both axes.
+/// Values of every kStep_px-th pixel each way.
 struct CoarseShares {
   int columns = 0;
   int rows = 0;
@@ -42,7 +42,7 @@ struct CoarseShares {
   [[nodiscard]] const PixelShare& at(int column, int row) const {
     return all[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)];
   }
-  /// Change of slope of the weights; 0 at the rim. Unlit neighbours count as a large bend.
+  /// Returns the largest change of slope of the weight; 0 at the rim, 1 beside unlit pixels.
   [[nodiscard]] float bend(int column, int row) const {
     float max = 0.0f;
     for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
@@ -54,7 +54,7 @@ struct CoarseShares {
     }
     return max;
   }
-  /// Returns true if the pixels between this one and the next to the right and below can be interpolated.
+  /// Returns true if the pixels between this one and its coarse neighbours to the right and below can be interpolated.
   [[nodiscard]] bool is_even(int column, int row) const {
     float min = 1.0f;
     float max = 0.0f;
@@ -77,8 +77,7 @@ class HeadMaker {
   Status find_targets(const PhotometryOptions& options);
   void report_light_kept(Photometry* result) const;
   void make_images(std::size_t projector, PhotometricHead* head) const;
-  /// Returns the colour that `projector` adds where the black levels of others are missing: in its own channels, with
-  /// luminance 1.
+  /// Returns the colour of luminance 1, in `projector`'s channels, that replaces missing black levels of the others.
   [[nodiscard]] Eigen::Vector3d black_lift_colour(std::size_t projector) const;
 
  private:
@@ -108,10 +107,10 @@ class HeadMaker {
   std::vector<double> kept_;
   std::optional<DirectionField> peak_;
   std::optional<DirectionField> target_;
-  std::optional<DirectionField> inverse_black_;  ///< Inverse of the black level to be reached.
+  std::optional<DirectionField> inverse_black_;  ///< Inverse of the target black level.
 };
 
-/// Returns the maximum slope of the brightness for each grid point of the target fields.
+/// Returns the maximum slope of the brightness per grid point of the target fields.
 std::vector<double> HeadMaker::slopes(const PhotometryOptions& options) const {
   const auto pictures = [this](const Eigen::Vector3d& direction) {
     unsigned which = 0;

@@ -12,8 +12,8 @@
 namespace cyclorama::photometry {
 
 /// Computes masks, black lifts and matrices of all heads from the projectors' lighting. `gamut` is null if the camera
-/// sees no colours. Writes the heads, wall and light_kept members of `result`. Errors: those of DirectionField::over().
-/// Reentrant.
+/// has no colour. Writes Photometry::heads, wall, light_kept and light_kept_flat of `result`. Errors: those of
+/// DirectionField::over(). Reentrant.
 Status make_heads(const PhotometryInput& input, const PhotometryOptions& options, const WallLighting& lighting,
                   const BlendWeights& weights, const CommonGamut* gamut, Photometry* result);
 

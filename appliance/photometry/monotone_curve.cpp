@@ -20,7 +20,7 @@ MonotoneCurve::MonotoneCurve(std::vector<double> x, std::vector<double> y) : x_(
   for (std::size_t i = 1; i < last; ++i) {
     const double before = x_[i] - x_[i - 1];
     const double after = x_[i + 1] - x_[i];
-    slope_[i] = (after * secant(i - 1) + before * secant(i)) / (before + after);  // Slope of the parabola.
+    slope_[i] = (after * secant(i - 1) + before * secant(i)) / (before + after);  // Slope of a parabola.
   }
   slope_[0] = 2.0 * secant(0) - slope_[1];
   slope_[last] = 2.0 * secant(last - 1) - slope_[last - 1];

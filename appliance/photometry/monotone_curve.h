@@ -5,14 +5,13 @@
 
 namespace cyclorama::photometry {
 
-/// A curve with continuous slope through points that never overshoots them: it is monotone between points. Source:
-/// Fritsch and Carlson, "Monotone Piecewise Cubic Interpolation", SIAM J. Numer. Anal. 17 (2), 1980. A value;
-/// reentrant.
+/// A curve through points with continuous slope that is monotone between adjacent points. Source: Fritsch and Carlson,
+/// "Monotone Piecewise Cubic Interpolation", SIAM J. Numer. Anal. 17 (2), 1980. A value; reentrant.
 class MonotoneCurve {
  public:
-  /// Precondition: at least two points, with increasing x.
+  /// Creates the curve through points (x, y). Precondition: at least two points, with increasing x.
   MonotoneCurve(std::vector<double> x, std::vector<double> y);
-  /// Outside the points, returns the value at the nearest end.
+  /// Returns the curve's value; beyond the points, the value at the nearest end.
   [[nodiscard]] double at(double x) const;
 
  private:

@@ -28,7 +28,7 @@ struct PhotometricProjector {
 struct PhotometryInput {
   int camera_width_px = 0;
   int camera_height_px = 0;
-  /// Pixel on the camera's optical axis, about which it vignettes. Nothing: the picture's middle. An error of a
+  /// Centre of the camera's vignetting: the pixel on the optical axis; if absent, the picture's middle. An error of a
   /// hundredth of the width changes the light by a few percent from one end of the picture to the other.
   std::optional<Eigen::Vector2d> camera_centre_px{};
   bool has_colour = true;          ///< If false, all three channels are the same and colours are not corrected.
@@ -36,7 +36,7 @@ struct PhotometryInput {
   std::vector<PhotometricProjector> projectors;
   std::vector<ProjectorView> views;
 
-  /// Errors: kInvalidArgument, with the projector or view at fault and the remedy.
+  /// Checks the values. Errors: kInvalidArgument, with the projector or view at fault and the remedy.
   [[nodiscard]] Status validate() const;
 };
 

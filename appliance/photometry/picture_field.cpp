@@ -11,7 +11,7 @@
 namespace cyclorama::photometry {
 namespace {
 
-constexpr double kAny = 1e-6;  // Weight of the value 0, for where there is no data.
+constexpr double kAny = 1e-6;  // Weight of a prior of 0, which decides where there is no data.
 constexpr double kSlack = 0.3;
 
 struct Knots {
@@ -38,7 +38,7 @@ std::array<Share, 16> shares_at(const Knots& knots, int width_px, int height_px,
   return shares;
 }
 
-/// Adds the thin-plate energy: second differences along both axes, and the mixed one twice.
+/// Adds the thin-plate energy: the second differences along both axes, and twice the mixed difference.
 void add_bends(const Knots& knots, double weight, std::vector<Eigen::Triplet<double>>* entries) {
   const auto add = [&](std::initializer_list<Share> row, double factor) {
     for (const Share& a : row) {
@@ -120,7 +120,7 @@ PictureField FieldFit::fit(const Eigen::VectorXd& values) const {
   PictureField field{s.width_px, s.height_px, s.knots.cells_x, s.knots.cells_y, {}, 0.0, 0.0};
   field.coefficients.assign(solved.begin(), solved.end());
   if (values.size() == 0) return field;
-  // Allows some extrapolation, since the rim of a picture is never measured.
+  // Some extrapolation is allowed, since the rim of a picture is never measured.
   const double slack = kSlack * (values.maxCoeff() - values.minCoeff());
   field.min = values.minCoeff() - slack;
   field.max = values.maxCoeff() + slack;

@@ -14,12 +14,12 @@ namespace {
 
 constexpr std::size_t kCellsPerProjector = 90;
 constexpr int kMinPixels = 12;
-/// A camera pixel with 8 electrons of read noise and a full well of 10000, typical of machine vision.
+/// Noise of a camera pixel with a read noise of 8 electrons and a full well of 10000, typical of machine vision.
 constexpr double kReadNoise = 1e-3;
 constexpr double kShotNoise = 1e-4;
-/// Variation between photographs of the same light, which averaging over pixels does not reduce: lamps, shutters.
+/// Variation of lamps and shutters between photographs of the same light, which averaging over pixels does not reduce.
 constexpr double kFloor = 1e-4;
-/// Light below this fraction of the camera's full scale, or of the projector's brightest light, counts as none.
+/// Light below these fractions of the camera's full scale, or of the projector's brightest light, counts as none.
 constexpr double kNoLight = 0.004;
 constexpr double kNoShare = 0.02;
 
@@ -52,9 +52,9 @@ bool has_ramps(const ProjectorView& view) {
          std::ranges::all_of(has_between, [](bool b) { return b; });
 }
 
-/// Mean over the cells of the longest unclipped reading at full light and of the longest at black, per exposure.
+/// Brightness of a view in its best pair of photographs, full light and black at the same exposure.
 struct Brightness {
-  /// Per unit of exposure, above black, in the camera channel with the strongest signal.
+  /// Per light: mean code above black, in the camera channel with the strongest signal.
   std::array<double, 4> light{};
   bool is_all_clipped = true;
 };
@@ -77,7 +77,7 @@ double mean_code(const ProjectorView& view, const LightReading& reading, std::si
   return pixels > 0 ? sum / pixels : 0.0;
 }
 
-/// Returns the increase in code by each light in its best photograph.
+/// Returns the largest increase in code that each light causes.
 Brightness brightness_of(const ProjectorView& view) {
   Brightness result;
   for (const LightReading& full : view.readings) {
@@ -124,7 +124,7 @@ Status check_lights(const ProjectorView& view, const std::string& name) {
   return Done{};
 }
 
-/// Chooses cells evenly from the darkest to the brightest.
+/// Returns at most `max` cells, evenly spaced in the order of brightness.
 std::vector<std::size_t> chosen_cells(const ProjectorView& view, std::size_t max) {
   const LightReading* reference = nullptr;
   for (const LightReading& reading : view.readings) {
@@ -169,8 +169,8 @@ RampBlock block_of(const ProjectorView& view, std::size_t cell, std::size_t chan
   return block;
 }
 
-/// True if the lit readings include exposures that differ by more than 5 %: without these, the camera's response cannot
-/// be separated from the projectors'.
+/// True if the lit readings include exposures that differ by more than 5 %. Otherwise the camera's response cannot be
+/// separated from the projectors'.
 bool has_two_exposures(const std::vector<const ProjectorView*>& views) {
   std::set<double> exposures;
   for (const ProjectorView* view : views) {

@@ -10,13 +10,13 @@
 
 namespace cyclorama::photometry {
 
-/// Returns the standard deviation of a cell's mean code from a pixel's noise and from the part of the rounding that
-/// noise does not average out.
+/// Returns the standard deviation of a cell's mean code, due to the pixels' noise and to the part of the rounding error
+/// that noise does not average out.
 [[nodiscard]] double code_sigma(const CellCode& code, std::size_t channel, int pixels, double code_step);
 
-/// One reading of one cell by one channel of the camera.
+/// Reading of one cell in one channel of the camera.
 struct RampReading {
-  int light = -1;  ///< 0, 1, 2: red, green, blue; 3: white; -1: black.
+  int light = -1;  ///< 0, 1, 2 for red, green, blue; 3 for white; -1 for black.
   /// Index of the unknown, which is the response at the reading's level; -1 at black and at full level, where the
   /// response is known to be 0 and 1.
   int unknown = -1;
@@ -25,18 +25,18 @@ struct RampReading {
   double sigma = 0.0;     ///< Standard deviation of the code.
 };
 
-/// Readings of one projector in one cell. Their model has one common rest of light, and one share for each light.
+/// Readings of one cell of one projector. They have a common `rest`, and one `share` per light: see response_solve.h.
 struct RampBlock {
   std::size_t projector = 0;
   std::array<bool, 4> has_light{};
   std::vector<RampReading> readings;
 };
 
-/// The least-squares problem over all ramps.
+/// Least-squares problem over all ramps.
 struct RampProblem {
   std::vector<RampBlock> blocks;
-  /// Intermediate levels (neither black nor full), increasing, per projector and light; and the index of their first
-  /// unknown.
+  /// Intermediate levels (neither black nor full), increasing, per projector and light; `first_unknown` is the index of
+  /// the unknown of the first level.
   std::vector<std::array<std::vector<double>, 4>> levels;
   std::vector<std::array<int, 4>> first_unknown;
   int unknowns = 0;

@@ -13,10 +13,10 @@
 namespace cyclorama::photometry {
 namespace {
 
-// Limit of the logarithm's change: a displaced projector does not light an area seven times as bright.
+// Maximum change of the logarithm: a displacement does not make an area seven times as bright.
 constexpr double kMaxChange = 2.0;
 
-/// Returns the area of the wall, in square metres as seen from the sweet spot, that a pixel lights.
+/// Returns the area of the wall that a pixel lights, in square metres, projected towards the sweet spot.
 std::optional<double> lit_area(const calibration::MeasuredMap& map, const Eigen::Vector2d& pixel,
                                const std::function<double(const Eigen::Vector3d&)>& inverse_depth) {
   const double step = std::min(16.0, 0.02 * std::min(map.width_px, map.height_px));
@@ -48,7 +48,7 @@ void move_light(const calibration::MeasuredMap& before, const calibration::Measu
   double highest = 0.0;
   for (int y = 0; y < white.cells_y + 3; ++y) {
     for (int x = 0; x < white.cells_x + 3; ++x) {
-      // A cubic spline's coefficient is about its value where its basis function is largest.
+      // A coefficient of a cubic spline is about the spline's value where the coefficient's basis function is largest.
       const Eigen::Vector2d pixel(
           std::clamp((x - 1.0) * white.width_px / white.cells_x, 0.0, static_cast<double>(white.width_px)),
           std::clamp((y - 1.0) * white.height_px / white.cells_y, 0.0, static_cast<double>(white.height_px)));

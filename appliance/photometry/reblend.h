@@ -14,15 +14,16 @@
 
 namespace cyclorama::photometry {
 
-/// Adapts a projector's light to another map, with which it falls on a larger or smaller part of the wall.
-/// `inverse_depth` is that of the wall, in 1/m by direction; where it or a map has no value the light is unchanged.
+/// Adapts a projector's light to another map, with which the light falls on a larger or smaller area of the wall.
+/// `inverse_depth` returns the wall's inverse distance in a direction, in 1/m. The light is unchanged where the wall or
+/// a map has no value.
 void move_light(const calibration::MeasuredMap& before, const calibration::MeasuredMap& after,
                 const std::function<double(const Eigen::Vector3d&)>& inverse_depth, ProjectorLighting* light);
 
-/// Returns what photometry() would compute from the same light with these maps: responses are kept; masks, matrices and
-/// black lifts follow. `before` holds the previous colours. The result has only heads (without the measurements of
-/// their responses), wall and light kept. Errors: kInvalidArgument if counts or names are inconsistent; otherwise those
-/// of make_heads() and common_gamut(). Reentrant.
+/// Returns the result of photometry() for the same light with other maps: responses are kept; masks, matrices and black
+/// lifts are computed anew. `before` holds the previous colours. Of the result, only the heads (without the
+/// measurements of their responses), the wall and the light kept are set. Errors: kInvalidArgument if counts or names
+/// are inconsistent; otherwise those of make_heads() and common_gamut(). Reentrant.
 Result<Photometry> reblended(const std::vector<PhotometricProjector>& projectors, const WallLighting& light,
                              std::span<const calibration::CalibratedColour> before,
                              const PhotometryOptions& options = {});

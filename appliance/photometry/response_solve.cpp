@@ -15,24 +15,25 @@ namespace {
 
 constexpr int kIntervals = 24;
 constexpr int kCamera = kIntervals + 3;
-// Expected change of slope per interval of the camera's curve, and expected change of that change: with two exposures
-// alone, an oscillation that repeats with their ratio is undetermined.
+// Priors of the camera's curve: expected second and third difference per interval. With only two exposures, an
+// oscillation with the period of their ratio would be undetermined.
 constexpr double kBend = 0.02;
 constexpr double kTwist = 7e-5;
 constexpr double kGauge = 1e-6;    // Tolerance of the constraint on the unit of light.
-constexpr double kAnyCurve = 1.0;  // Prior of a response: it lies in [0, 1].
+constexpr double kAnyCurve = 1.0;  // Prior sigma of a response, which lies in [0, 1].
 constexpr int kRounds = 20;
 constexpr int kStartRounds = 5;
 constexpr double kConverged = 1e-6;
 
-/// Down-weights outliers, as when somebody walks through or a lamp flickers. `scale` of 0: weight 1.
+/// Returns the weight of a residual; outliers, as when somebody walks through or a lamp flickers, have small weights.
+/// If `scale` is 0, the weight is 1.
 double cauchy_weight(double normalised, double scale) {
   if (!(scale > 0.0)) return 1.0;
   const double ratio = normalised / (4.0 * scale);
   return 1.0 / (1.0 + ratio * ratio);
 }
 
-/// Returns a robust standard deviation.
+/// Returns a robust standard deviation from absolute values, at least 0.1.
 double scale_of(std::vector<double>* magnitudes) {
   if (magnitudes->empty()) return 1.0;
   const auto middle = magnitudes->begin() + static_cast<std::ptrdiff_t>(magnitudes->size() / 2);
@@ -40,8 +41,8 @@ double scale_of(std::vector<double>* magnitudes) {
   return std::max(0.1, 1.4826 * *middle);
 }
 
-/// Unknowns: the camera's coefficients, then the responses at intermediate levels. Each block's own unknowns (rest,
-/// shares) are eliminated.
+/// Fit of the responses. The unknowns are the camera's coefficients, then the responses at intermediate levels; each
+/// block's unknowns (rest, shares) are eliminated.
 class ResponseFit {
  public:
   explicit ResponseFit(const RampProblem& problem)
@@ -50,8 +51,8 @@ class ResponseFit {
         response_(static_cast<std::size_t>(problem.unknowns), 0.0),
         gauge_(gauge_of(problem)) {}
 
-  /// Solves for the camera alone, a linear problem because two photographs of one subject have the same light; then
-  /// computes the responses with that camera curve.
+  /// Solves for the camera alone, then computes the responses with that camera curve. The camera's problem is linear,
+  /// because two photographs of the same light differ only in exposure.
   bool start();
   /// Estimates the scale of the residuals before the first step.
   void find_scale();
@@ -59,7 +60,7 @@ class ResponseFit {
   /// solution.
   std::optional<double> step();
 
-  /// Scaled so that the light of its highest code is 1; residual() has the same unit.
+  /// Returns the camera's response, scaled so that the light of the highest code is 1; residual() has the same unit.
   [[nodiscard]] CameraResponse camera() const {
     CameraResponse camera = camera_;
     for (double& coefficient : camera.coefficients) coefficient /= camera_.light_of(1.0);
@@ -85,9 +86,9 @@ class ResponseFit {
     return r.unknown < 0 ? 1.0 : response(r.unknown);
   }
 
-  /// Fixes the unit of light: over all readings, light times code sums to code squared. The constraint must lie where
-  /// the readings are: residuals are in light, so a curve that is free to shrink there would shrink together with its
-  /// noise.
+  /// Returns the constraint that fixes the unit of light: over all readings, the sum of light times code equals that of
+  /// code squared. The readings must determine the unit: residuals are in light, so the curve would otherwise shrink at
+  /// the readings, together with their noise.
   static Eigen::VectorXd gauge_of(const RampProblem& problem);
 
   const RampProblem& problem_;
@@ -96,7 +97,7 @@ class ResponseFit {
   std::vector<double> response_;
   Eigen::VectorXd gauge_;
   Eigen::VectorXd sigmas_;
-  double scale_ = 0.0;  ///< Scale of the residuals relative to their sigmas; 0: not known yet.
+  double scale_ = 0.0;  ///< Scale of the residuals relative to their sigmas; 0 if not known yet.
   double prior_scale_ = 1.0;
   double residual_ = 0.0;
   std::vector<double> normalised_;
@@ -133,7 +134,7 @@ void ResponseFit::add_difference(int first, const std::array<double, N>& shares,
   double difference = 0.0;
   for (std::size_t a = 0; a < N; ++a)
     difference += shares.at(a) * camera_.coefficients[static_cast<std::size_t>(first) + a];
-  // If the readings are noisier than their sigmas, the priors are weighted accordingly.
+  // If the readings are noisier than their sigmas, the priors' weights increase accordingly.
   const double scale = std::max(1.0, prior_scale_);
   const double weight = scale * scale / (sigma * sigma);
   for (std::size_t a = 0; a < N; ++a) {
@@ -149,7 +150,7 @@ void ResponseFit::add_priors(Eigen::MatrixXd* normal, Eigen::VectorXd* right) co
   constexpr std::array<double, 4> kThird = {1.0, -3.0, 3.0, -1.0};
   for (int i = 0; i + 3 <= kCamera; ++i) add_difference(i, kSecond, kBend, normal, right);
   for (int i = 0; i + 4 <= kCamera; ++i) {
-    // Camera curves are powers of the light, so they are straighter at bright codes.
+    // Camera curves are about powers of the light, so they are straighter at bright codes.
     const double code = std::max(0.5, i + 0.5) / kIntervals;
     const double darkness = std::max(1.0, 0.3 / code);
     add_difference(i, kThird, kTwist * darkness * darkness, normal, right);
@@ -179,7 +180,7 @@ void ResponseFit::start_responses() {
   };
   std::vector<Mean> products(response_.size());
   for (const RampBlock& block : problem_.blocks) {
-    // Long exposures are the most accurate; at full light all exposures are used.
+    // Readings are weighted by exposure over sigma, so long exposures count most.
     Mean rest;
     std::array<Mean, 4> share;
     const auto light_of = [this](const RampReading& r) { return camera_.light_of(r.code) / r.exposure; };
@@ -203,7 +204,7 @@ void ResponseFit::start_responses() {
 }
 
 bool ResponseFit::start_camera() {
-  double scale = 0.0;  // Scale of the residuals; not known yet.
+  double scale = 0.0;  // Scale of the residuals; 0 until it is known.
   for (int round = 0; round < kStartRounds; ++round) {
     std::vector<double> normalised;
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns_, unknowns_);
@@ -247,7 +248,7 @@ bool ResponseFit::start_camera() {
 }
 
 void ResponseFit::add_block(const RampBlock& block, Eigen::MatrixXd* normal, Eigen::VectorXd* right) {
-  // Own unknowns of the block: the rest, then the share of each light that was shown.
+  // The block's unknowns are the rest, then the share of each light that was shown.
   std::array<int, 4> own{};
   int owns = 1;
   for (std::size_t light = 0; light < 4; ++light) own.at(light) = block.has_light.at(light) ? owns++ : -1;
@@ -260,8 +261,8 @@ void ResponseFit::add_block(const RampBlock& block, Eigen::MatrixXd* normal, Eig
     local(i, 0) = -r.exposure;
     if (r.light >= 0) local(i, own.at(static_cast<std::size_t>(r.light))) = -r.exposure * response_at(r);
     seen(i) = camera_.light_of(r.code);
-    // Weights are by the sigma of the code, not of the light: weights that follow the curve's slope would flatten it,
-    // round by round.
+    // Weights follow from the sigma of the code, not of the light: weights that depend on the curve's slope would
+    // flatten the curve, round by round.
     weight(i) = 1.0 / (r.sigma * r.sigma);
   }
   Eigen::VectorXd values;
@@ -274,7 +275,7 @@ void ResponseFit::add_block(const RampBlock& block, Eigen::MatrixXd* normal, Eig
   };
   solve_own();
   const Eigen::VectorXd full = weight;
-  // Iterated, because a disturbed reading affects the others at first.
+  // Iterated, because a disturbed reading affects the others' residuals at first.
   for (int round = 0; round < 3 && scale_ > 0.0; ++round) {
     for (Eigen::Index i = 0; i < n; ++i)
       weight(i) = full(i) * cauchy_weight(std::abs(residual(i)) * std::sqrt(full(i)), scale_);
@@ -303,7 +304,7 @@ void ResponseFit::add_block(const RampBlock& block, Eigen::MatrixXd* normal, Eig
       (*normal)(basis.first + a, at) += cross;
     }
   }
-  // The residual is orthogonal to the block's own columns, so only the matrix changes.
+  // The residual is orthogonal to the block's columns, so the elimination changes only the matrix.
   Eigen::MatrixXd matrix = local.transpose() * weight.asDiagonal() * local;
   matrix.diagonal().array() += 1e-12 * matrix.diagonal().maxCoeff();
   const Eigen::LLT<Eigen::MatrixXd> factor(matrix);

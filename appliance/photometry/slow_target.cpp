@@ -13,7 +13,7 @@ namespace cyclorama::photometry {
 namespace {
 
 constexpr int kMaxGridPoints = 200000;
-constexpr int kMargin = 2;  // Grid points.
+constexpr int kMargin = 2;  // In grid points.
 constexpr int kMaxSweeps = 12;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
@@ -21,8 +21,8 @@ struct Seen {
   Eigen::Vector3d direction;
 };
 
-/// Steps to the preceding neighbours in reading order; the others are their opposites. With sixteen directions a path
-/// over the grid is at most 2.7 % longer than the straight one.
+/// Steps to the preceding neighbours in reading order; the opposite steps lead to the following neighbours. With these
+/// sixteen directions a path over the grid is at most 2.7 % longer than the straight path.
 constexpr std::array<std::pair<int, int>, 8> kBefore = {
     {{-1, 0}, {0, -1}, {-1, -1}, {1, -1}, {-2, -1}, {2, -1}, {-1, -2}, {1, -2}}};
 
@@ -36,7 +36,8 @@ DirectionField::DirectionField(const calibration::DirectionChart& chart, const E
     : chart_(chart), low_(low), step_rad_(step), columns_(columns), rows_(rows) {
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < columns; ++x) {
-      // Points outside the chart, far beyond everything lit, take the nearest point inside it.
+      // Grid points outside the chart, far beyond everything lit, get the direction of the nearest point inside the
+      // chart.
       Eigen::Vector2d position = low_ + step_rad_ * Eigen::Vector2d(x, y);
       if (position.norm() > 3.1) position *= 3.1 / position.norm();
       directions_.push_back(*chart_.direction_of(position));
@@ -54,8 +55,8 @@ Result<DirectionField> DirectionField::over(const std::vector<PhotometricProject
   }
   if (seen.empty()) return Error(ErrorCode::kInvalidArgument, "no map has a direction; measure the maps first");
   std::optional<calibration::DirectionChart> chart = calibration::DirectionChart::around(seen);
-  // For maps that surround the sweet spot: about the zenith or the nadir, whichever is farther from the unlit
-  // directions.
+  // If the maps surround the sweet spot, the chart is centred on the nadir or the zenith, if the opposite pole is
+  // unlit.
   for (const double up : {-1.0, 1.0}) {
     if (chart) break;
     chart.emplace(Eigen::Vector3d(0.0, up, 0.0));
@@ -158,7 +159,7 @@ std::vector<bool> DirectionField::near_borders(const std::function<unsigned(cons
       if (y + 1 < rows_) compare(index(x, y), index(x, y + 1));
     }
   }
-  // Marks a square of that half width about each.
+  // Marks a square of this half width around each marked point.
   const int peak = static_cast<int>(std::ceil(radius_rad / step_rad_));
   for (int axis = 0; axis < 2; ++axis) {
     const std::vector<bool> before = is_near;

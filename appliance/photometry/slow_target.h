@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A target brightness that varies too slowly to be noticed and wastes as little light as that allows.
+/// Computes the largest target brightness that varies too slowly to be noticed.
 ///
 ///   light   ╭──╮  achievable luminance                the largest target below it whose relative slope is bounded is
 ///          ╱ ╭──╲───╮                                 its lower envelope of cones:
 ///         ╱ ╱    ╰─╲ ╲                                  log target(d) = min over e of
 ///        ╱ ╱ target  ╰╲                                                 log achievable(e) + slope * angle(d, e)
-///                                                     It is the largest in every direction, so also in sum.
+///                                                     It is the largest in every direction.
 ///   Source: Majumder and Stevens, "Perceptual photometric seamlessness in projection-based tiled displays", ACM Trans.
-///   Graph. 24 (1), 2005: the same bound and aim, there by dynamic programming on pixels.
+///   Graph. 24 (1), 2005: they solve the same problem by dynamic programming on pixels.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +21,7 @@
 
 namespace cyclorama::photometry {
 
-/// A positive scalar field over directions, on a grid that covers all that the projectors light. A value; reentrant.
+/// Positive scalar field over directions, on a grid that covers all lit directions. A value; reentrant.
 class DirectionField {
  public:
   /// Creates a grid over all directions of the maps, with a margin; the step is `step_rad`, or wider if there would be
@@ -29,19 +29,21 @@ class DirectionField {
   /// direction.
   static Result<DirectionField> over(const std::vector<PhotometricProjector>& projectors, double step_rad);
 
-  /// Sets each grid point to `value` of its direction; infinite means no bound.
+  /// Sets each grid point to `value` of its direction; an infinite value means no bound.
   void fill(const std::function<double(const Eigen::Vector3d&)>& value);
   /// Returns the largest field that is nowhere above this one and whose logarithm changes by at most `slope_per_rad`,
-  /// smoothed over `blur_rad`, which costs at most slope * blur. Points without a bound get one from their neighbours.
-  /// Precondition: at least one point has a bound, and all bounds are above 0.
+  /// smoothed over `blur_rad`. The smoothing lowers the logarithm by at most slope * blur. Points without a bound are
+  /// bounded by their neighbours. Precondition: at least one point has a bound, and all bounds are above 0.
   [[nodiscard]] DirectionField slow_below(double slope_per_rad, double blur_rad) const;
-  /// The same with a slope for each grid point, in the order of positions(); between two points their mean applies.
+  /// Does the same with one slope per grid point, in the order of positions(); between two points the mean of their
+  /// slopes applies.
   [[nodiscard]] DirectionField slow_below(const std::vector<double>& slopes_per_rad, double blur_rad) const;
-  /// Returns the grid points within about `radius_rad` of a border between two different nonzero values of `label`.
+  /// Returns, per grid point, whether it is within about `radius_rad` of a border between two different nonzero values
+  /// of `label`.
   [[nodiscard]] std::vector<bool> near_borders(const std::function<unsigned(const Eigen::Vector3d&)>& label,
                                                double radius_rad) const;
 
-  /// Interpolates the logarithm bilinearly.
+  /// Returns the value in a direction; its logarithm is interpolated bilinearly.
   [[nodiscard]] double at(const Eigen::Vector3d& direction) const;
   /// Solid angle in steradians and value of one grid point.
   struct Place {

@@ -16,21 +16,21 @@ namespace {
 
 constexpr int kKnot_px = 32;
 constexpr double kBend = 0.01;      // Expected change of slope of log(light) from knot to knot.
-constexpr double kMinSigma = 2e-3;  // Relative variation of a wall's paint, and speckle.
+constexpr double kMinSigma = 2e-3;  // Lower bound of the relative sigma: a wall's paint, and speckle.
 constexpr std::size_t kMinGroups = 12;
 constexpr double kVignetting = 0.7;  // Prior sigma of each vignetting coefficient.
 constexpr double kMinTrust = 1e-3;
 constexpr int kRounds = 3;  // Rounds of robust weights against disturbed cells.
 constexpr double kGross = 0.01;
-constexpr double kBlackLevelPrior = 1e-3;  // Prior of the black level: the contrast is about 1000 to 1 or more.
+constexpr double kBlackLevelPrior = 1e-3;  // Prior sigma of the black level: the contrast is about 1000 to 1 or more.
 
-/// One cell of one view with the luminance of its white.
+/// One cell of one view, with the luminance of white.
 struct Sample {
   const ProjectorView* view = nullptr;
   CellLight light;
   double log_white = 0.0;
-  Eigen::Vector3d by_radius = Eigen::Vector3d::Zero();  ///< r^2, r^4, r^6.
-  double trust = 1.0;                                   ///< Weight relative to other stops that saw the same cell.
+  Eigen::Vector3d by_radius = Eigen::Vector3d::Zero();  ///< r^2, r^4, r^6; see WallLighting::vignetting.
+  double trust = 1.0;                                   ///< Weight relative to other views of the same cell.
   double weight = 1.0;
 
   [[nodiscard]] Eigen::Vector2d pixel() const { return view->cells.cells[light.cell].projector_px; }
@@ -42,8 +42,8 @@ Eigen::Vector3d radius_terms(const PhotometryInput& input, const Eigen::Vector2d
   return {square, square * square, square * square * square};
 }
 
-/// Returns the weight of a position in the camera's picture relative to other stops' views of the same cell. It
-/// decreases towards the sides, so that a view's error fades out at its end.
+/// Returns the weight of a position in the camera's picture relative to other views of the same cell. It decreases
+/// towards the picture's sides, so that a view's error causes no step where the view ends.
 double trust(const PhotometryInput& input, const Eigen::Vector2d& camera_px) {
   const double from_side = std::min(
       {camera_px.x(), camera_px.y(), input.camera_width_px - camera_px.x(), input.camera_height_px - camera_px.y()});
@@ -51,8 +51,8 @@ double trust(const PhotometryInput& input, const Eigen::Vector2d& camera_px) {
   return std::max(kMinTrust, t * t);
 }
 
-/// Returns the median primaries of the cells, scaled to luminance 1 for white. Writes their variation between cells to
-/// `spread`.
+/// Returns the median primaries of the cells, scaled so that white has luminance 1. Writes the variation between cells
+/// to `spread`.
 std::optional<Eigen::Matrix3d> common_primaries(const std::vector<Sample>& samples, double* spread) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   std::vector<Eigen::Matrix3d> all;
@@ -62,7 +62,7 @@ std::optional<Eigen::Matrix3d> common_primaries(const std::vector<Sample>& sampl
     if (luminance > 0.0) all.emplace_back(sample.light.primaries / luminance);
   }
   if (all.empty()) return std::nullopt;
-  // A median per entry is robust against somebody who walked through some cells.
+  // The median of each entry is robust against somebody who walks past some cells.
   for (Eigen::Index i = 0; i < 9; ++i) {
     std::vector<double> values;
     for (const Eigen::Matrix3d& m : all) values.push_back(m(i % 3, i / 3));
@@ -115,8 +115,8 @@ double weight_of(double residual, const Sample& sample) {
   return 1.0 / (1.0 + ratio * ratio);
 }
 
-/// Solves for the camera's vignetting from cells that two or more stops saw, and which therefore have the same light.
-/// Nothing else separates it from the projectors' own vignetting.
+/// Solves for the camera's vignetting from cells that two or more stops saw, since such a cell has the same light for
+/// all of them. Nothing else separates the camera's vignetting from that of the projectors.
 bool solve_vignetting(std::vector<std::vector<Sample>>* samples, WallLighting* result) {
   std::vector<std::vector<Sample*>> groups;
   for (std::vector<Sample>& of_projector : *samples) {
@@ -156,7 +156,7 @@ bool solve_vignetting(std::vector<std::vector<Sample>>* samples, WallLighting* r
   return true;
 }
 
-/// Fits a smooth field per projector, and computes the unexplained part of the readings.
+/// Fits a smooth field to each projector's light, and computes the residual of the readings.
 bool solve_fields(const PhotometryInput& input, std::vector<std::vector<Sample>>* all, WallLighting* result) {
   double squares = 0.0;
   double count = 0.0;
@@ -188,8 +188,7 @@ bool solve_fields(const PhotometryInput& input, std::vector<std::vector<Sample>>
   return std::isfinite(result->unexplained);
 }
 
-/// Fits the light when all projectors show black: ambient light, and the black levels of the projectors that light a
-/// point.
+/// Fits the light while all projectors show black: the ambient light plus the black levels of the projectors.
 void fit_black(const PhotometryInput& input, const std::vector<std::vector<Sample>>& samples,
                const std::vector<InverseMap>& inverses, WallLighting* result) {
   const auto projectors = static_cast<Eigen::Index>(input.projectors.size());
@@ -268,7 +267,7 @@ Result<WallLighting> wall_lighting(const PhotometryInput& input, const SolvedRes
       const double white = luminance_of(sample.light, lighting.primaries, curves[p], lighting.white_boost);
       sample.log_white = std::log(white);
     }
-    // Readings far below the others are absence of light.
+    // Cells without light are removed.
     std::erase_if(samples[p], [](const Sample& s) { return !std::isfinite(s.log_white); });
     if (!primaries || samples[p].empty()) {
       return Error(ErrorCode::kBadData,

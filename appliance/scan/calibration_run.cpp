@@ -20,7 +20,7 @@ constexpr double kLightPart = 0.9;
 constexpr double kSolvePart = 0.94;
 constexpr double kSeamPart = 0.98;
 
-/// Adds the maps of the calibration, which the light scan lacked, and computes the photometry.
+/// Adds the calibration's maps to the scanned light, and computes the photometry.
 Result<photometry::Photometry> photometry_of(LightScan light, const calibration::Calibration& calibration) {
   for (const calibration::CalibratedProjector& projector : calibration.projectors)
     light.input.projectors.push_back({projector.name, projector.map});
@@ -38,13 +38,14 @@ std::vector<calibration::CalibratedColour> colours_of(const photometry::Photomet
   return colours;
 }
 
-/// Carries the previous light over to the new maps; nothing if there was none or it is unusable, in which case the wall
-/// is shown without measured brightness and colours.
+/// Carries the previous masks and colours over to the new maps. Returns nothing if there were none or they are
+/// unusable; the wall is then shown without measured brightness and colours.
 std::optional<photometry::FollowedLight> light_of_before(const std::filesystem::path& folder,
                                                          const std::optional<calibration::Calibration>& previous,
                                                          const calibration::Calibration& calibration) {
   if (!previous) return std::nullopt;
-  // Projectors that did not move light the wall as before; for a moved one the solid angle gives the change of light.
+  // Projectors that did not move light the wall as before; for a displaced projector the solid angle gives the change
+  // of light.
   auto followed =
       photometry::follow_light(calibration::calibration_folder(folder, previous->date), previous->projectors,
                                calibration.projectors, [](const Eigen::Vector3d&) { return 1.0; });
@@ -101,7 +102,7 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
 
   tell("finds out where everything is", kLightPart);
   begun = clock.now();
-  // An unreadable previous calibration does not prevent a new one; it is only not compared with it.
+  // An unreadable previous calibration does not prevent a new one; only their comparison is omitted.
   std::optional<calibration::Calibration> previous;
   if (auto read = calibration::read_calibration(folder)) {
     previous = *std::move(read);

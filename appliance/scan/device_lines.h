@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One-line texts that name the devices of a calibration, as people write them.
+/// Texts of one line that name the devices of a calibration, as in settings and on command lines.
 #pragma once
 
 #include <string>
@@ -27,10 +27,10 @@ struct CameraSource {
   std::string spec;  ///< Argument for make_camera().
 };
 
-/// Parses "NAME=CAMERA". Errors: kInvalidArgument for another form, or if the name cannot be a file name.
+/// Parses "NAME=CAMERA". Errors: kInvalidArgument for any other form, or if !is_camera_name(NAME).
 Result<CameraSource> parse_camera_source(const std::string& text);
-/// Returns true for 1 to 60 letters, digits, '.', '-' and '_' that do not begin with '.' or '-': the lens is stored in
-/// NAME.json, also on a USB stick.
+/// Returns true for 1 to 60 letters, digits, '.', '-' and '_' that do not begin with '.' or '-': the camera's lens is
+/// stored in NAME.json, which must be a valid file name on USB sticks too.
 [[nodiscard]] bool is_camera_name(const std::string& name);
 
 }  // namespace cyclorama::scan

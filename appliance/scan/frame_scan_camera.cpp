@@ -8,8 +8,8 @@
 namespace cyclorama::scan {
 namespace {
 
-constexpr double kWait_s = 3.0;  // In addition to the exposure, since some cameras take that long to start.
-/// The first frames of a newly opened camera do not yet have the new exposure.
+constexpr double kWait_s = 3.0;  // Added to the exposure, since some cameras take that long to start.
+/// Number of frames that are skipped after opening, since the first frames do not have the new exposure yet.
 constexpr int kWarmUpFrames = 4;
 
 constexpr float kCode = 1.0f / 255.0f;
@@ -69,7 +69,8 @@ Result<std::shared_ptr<const camera::CameraFrame>> FrameScanCamera::next(double 
       if (frame.error().code() == ErrorCode::kUnavailable) camera_.reset();  // The next photograph opens it again.
       return frame;
     }
-    // Some drivers stamp the end of the exposure as its start; one exposure later both are right.
+    // Some drivers report the end of the exposure as its start. From one exposure after the request on, either stamp is
+    // safe.
     const TimePoint begins_at = asked_at + (*frame)->exposure;
     if ((*frame)->captured_at >= begins_at && warm_up-- <= 0) return frame;
     if (clock_.now() >= deadline) {

@@ -10,15 +10,15 @@
 
 namespace cyclorama::scan {
 
-/// Adapts a camera of drivers/camera to ScanCamera. Such a camera takes its exposure when it is opened, so a change of
-/// exposure reopens it, which takes about a second and happens a few times in a scan. Thread-bound.
+/// Adapts a camera of drivers/camera to ScanCamera. Such a camera has a fixed exposure while it is open, so a change of
+/// exposure reopens it. This takes about a second and happens a few times in a scan. Thread-bound.
 class FrameScanCamera final : public ScanCamera {
  public:
-  /// Opens the camera with this exposure and with gain and white balance fixed; in colour if the camera has colour.
+  /// Opens the camera with a given exposure, fixed gain and fixed white balance; in colour if the camera has colour.
   using Opener = std::function<Result<std::unique_ptr<camera::Camera>>(double exposure_s)>;
 
-  /// Takes one photograph to find the picture's size. `clock` is the clock of the frames' time stamps and is borrowed.
-  /// Errors: those of the opener and of photograph().
+  /// Takes one photograph to find the picture's size. Borrows `clock`, which must be the clock of the frames' time
+  /// stamps. Errors: those of the opener and of photograph().
   static Result<std::unique_ptr<FrameScanCamera>> open(Opener opener, double exposure_s, const Clock& clock);
   ~FrameScanCamera() override;
   FrameScanCamera(const FrameScanCamera&) = delete;
@@ -28,7 +28,8 @@ class FrameScanCamera final : public ScanCamera {
   [[nodiscard]] int width_px() const override { return width_px_; }
   [[nodiscard]] int height_px() const override { return height_px_; }
   [[nodiscard]] bool has_colour() const override { return has_colour_; }
-  /// Errors: kUnavailable also if the camera does not hold an exposure, since its photographs cannot be compared.
+  /// See ScanCamera::photograph(). Errors: kUnavailable also if the camera does not keep a fixed exposure, since its
+  /// photographs cannot be compared.
   Result<ScanPhotograph> photograph(double exposure_s) override;
   [[nodiscard]] double exposed_s(double) const override { return exposed_s_; }
 

@@ -15,12 +15,12 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kLine_deg = 2;
 constexpr int kStrong_deg = 10;
 constexpr double kHalfWidth_deg = 0.06;
-constexpr double kSoft_deg = 0.03;  // Edge of a line: about a projector's pixel.
+constexpr double kSoft_deg = 0.03;  // Width of a line's soft edge: about a projector's pixel.
 constexpr double kGround = 0.03;
 constexpr double kFaint = 0.45;
 constexpr int kCurveSteps = 1024;
 
-/// Returns the strength of a line at an angle.
+/// Returns the brightness of the lines, 0 to 1, at an angle.
 double line_at(double angle_rad) {
   const double angle = angle_rad / kDegree;
   const double nearest = std::round(angle / kLine_deg) * kLine_deg;
@@ -34,8 +34,8 @@ double srgb_code(double light) {
   return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;
 }
 
-/// 8-bit codes by light for each channel, tabulated at equal steps of the square root because evaluating curves per
-/// pixel is slow.
+/// Returns tables of each channel's 8-bit codes, at equal steps of the square root of the light, because evaluating the
+/// curves per pixel is slow.
 std::array<std::vector<std::uint8_t>, 3> code_tables(const warp::HeadColour* colour) {
   std::array<std::vector<std::uint8_t>, 3> tables;
   for (std::size_t c = 0; c < 3; ++c) {

@@ -13,9 +13,9 @@
 namespace cyclorama::scan {
 namespace {
 
-// Black's light is some thousandths of white's, so its exposure is this many times longer.
+// Factor on the exposure for black pictures, whose light is some thousandths of white's.
 constexpr double kBlackExposure = 32.0;
-// Larger codes are near the end of the camera's range.
+// Largest code that counts as unclipped.
 constexpr float kBrightest = 0.9f;
 constexpr int kMaxTries = 12;
 
@@ -34,7 +34,7 @@ class LightScanning {
 
   Result<LightScan> run() {
     auto scan = scanned();
-    // All projectors are made dark in every case; the first error counts.
+    // All projectors are made dark, also after an error; the first error is returned.
     for (std::size_t p = 0; p < installation_.projectors.size(); ++p) {
       const Status dark = devices_.screen.show(p, RgbImage());
       if (scan && !dark) return dark.error();
@@ -55,7 +55,7 @@ class LightScanning {
       const ScanView*& best = best_[view.projector];
       if (best == nullptr || view.correspondences.size() > best->correspondences.size()) best = &view;
     }
-    // All projectors share one exposure, since their light is compared with one another.
+    // All projectors share one exposure, since their light is compared with each other's.
     double exposure_s = limits_.longest.count();
     for (const auto& [projector, view] : best_) exposure_s = std::min(exposure_s, view->exposure_s);
     for (const auto& [projector, view] : best_) {
@@ -75,7 +75,8 @@ class LightScanning {
     return turn_with_retry(devices_.turntable, view.angle_rad);
   }
 
-  /// Rounds down to whole refreshes if it is at least one, since a projector may show its colours in sequence.
+  /// Limits an exposure, and rounds it down to whole refreshes if it is at least one, since a projector may show its
+  /// colours in sequence.
   [[nodiscard]] double within(double exposure_s) const {
     const double period_s = limits_.projector_period.count();
     if (period_s > 0.0 && exposure_s >= period_s) exposure_s = std::floor(exposure_s / period_s + 1e-6) * period_s;
@@ -83,7 +84,7 @@ class LightScanning {
   }
 
   /// Returns an exposure of at most `exposure_s` at which white is not clipped; darker pictures are also taken at
-  /// longer ones.
+  /// longer exposures.
   Result<double> unclipped(const ScanView& view, double exposure_s) {
     TRY_ASSIGN(const photometry::CameraCells cells, cells_of(view));
     TRY(show(view.projector, {.kind = structured_light::PatternKind::kWhite}));
@@ -124,7 +125,8 @@ class LightScanning {
         if (picture.level > 0.0) pictures.push_back(picture);
       }
     }
-    // Pictures are ordered by exposure, since many cameras must be reopened to change it.
+    // Photographs are taken in the order of their exposures, since many cameras must be reopened to change the
+    // exposure.
     for (const double exposure_s : exposures_s_) {
       for (const structured_light::PatternPicture& picture : pictures) TRY(read_picture(picture, exposure_s, &read));
     }

@@ -15,13 +15,12 @@
 
 namespace cyclorama::scan {
 namespace {
-/// Covers a refresh and the decoding of a PNG of some megabytes; a display waits ten seconds for a head before it
-/// reports that head as missing.
+/// Must exceed the time for decoding a PNG of some megabytes and a refresh, and the ten seconds after which a display
+/// reports a missing head.
 constexpr Duration kAnswerTimeout = std::chrono::seconds(15);
 }  // namespace
 
-/// The stream of one display. A blocking read has no deadline of its own, so a watchdog thread cancels the call when
-/// the deadline passes.
+/// The stream of one display. A blocking read has no deadline, so a watchdog thread cancels a call that takes too long.
 class RemotePatternScreen::Stream {
  public:
   static Result<std::unique_ptr<Stream>> open(const std::string& address) {
@@ -165,7 +164,7 @@ Status RemotePatternScreen::show(std::size_t projector, const RgbImage& picture)
     png.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
   TRY(streams_[head.display]->order(head.name, std::move(png)));
-  // Delay of the projector's electronics, which give no signal when they are done.
+  // Waits for the projector's electronics, which do not report when the picture is lit.
   std::this_thread::sleep_for(settle_);
   return Done{};
 }

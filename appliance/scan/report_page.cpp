@@ -196,7 +196,7 @@ std::vector<WallResidual> wall_residuals(const solve::Measurements& measurements
       const calibration::MeasuredMap& map = calibration.projectors[c.projector].map;
       const Eigen::Vector2d pixel(static_cast<double>(c.projector_x), static_cast<double>(c.projector_y));
       const auto drawn = map.direction_at(pixel);
-      // Direction one pixel beside it, for the angle per pixel.
+      // Direction of the neighbouring pixel, which gives the angle per pixel.
       const auto beside = map.direction_at(pixel + Eigen::Vector2d(pixel.x() > 1.0 ? -1.0 : 1.0, 0.0));
       if (!seen || !drawn || !beside) continue;
       const double step = (*beside - *drawn).norm();

@@ -13,14 +13,14 @@
 
 namespace cyclorama::scan {
 
-/// Observed direction of a projector's pixel, and the error of the projector's map there in projector pixels.
+/// Observed direction of a projector's pixel, and the map's error at this pixel, in projector pixels.
 struct WallResidual {
   std::size_t projector = 0;  ///< Index in Calibration::projectors.
   Eigen::Vector3d direction;  ///< Eye frame, unit length.
   double error_px = 0.0;
 };
 
-/// Findings that a calibration's own file lacks. The page omits what is absent.
+/// Results that calibration.json does not contain. The page omits results that are absent.
 struct ReportFindings {
   std::vector<WallResidual> residuals;
   struct Registration {
@@ -33,14 +33,14 @@ struct ReportFindings {
     std::string caption;
     std::vector<std::byte> jpeg;
   };
-  std::vector<Photograph> photographs;  ///< In pairs, side by side: before and after.
+  std::vector<Photograph> photographs;  ///< Pairs that are shown side by side: before and after.
 };
 
 /// Returns the page as HTML. Pure; reentrant.
 [[nodiscard]] std::string report_page(const calibration::Calibration& calibration, const ReportFindings& findings = {});
 
-/// Returns residuals of at most `max` correspondences, sampled evenly; those outside the camera's lens or the map are
-/// skipped. Precondition: the calibration was computed from these measurements.
+/// Returns residuals of at most `max` correspondences, sampled evenly; correspondences outside the camera's lens or the
+/// map are skipped. Precondition: the calibration was computed from these measurements.
 [[nodiscard]] std::vector<WallResidual> wall_residuals(const solve::Measurements& measurements,
                                                        const calibration::Calibration& calibration,
                                                        std::size_t max = 6000);

@@ -10,14 +10,14 @@
 
 namespace cyclorama::scan {
 
-/// Projectors are numbered as in installation.toml. While this object exists the heads show patterns, dark at first;
-/// its destruction restores the show. Thread-bound; calls block.
+/// Shows patterns on the projectors, which are numbered as in installation.toml. While this object exists the heads
+/// show patterns, dark at first; its destruction restores the show. Thread-bound; calls block.
 class PatternScreen {
  public:
   virtual ~PatternScreen() = default;
 
-  /// Returns when the wall shows the picture; the other projectors keep theirs. An empty picture is dark.
-  /// Errors: kInvalidArgument if there is no such projector or the picture's size differs from the projector's;
+  /// Shows a picture, and returns when the wall shows it; the other projectors' pictures stay. An empty picture is
+  /// dark. Errors: kInvalidArgument if there is no such projector or the picture's size differs from the projector's;
   /// kUnavailable if a head or the display is gone.
   virtual Status show(std::size_t projector, const RgbImage& picture) = 0;
 
@@ -27,7 +27,7 @@ class PatternScreen {
   PatternScreen& operator=(const PatternScreen&) = delete;
 };
 
-/// Camera codes, 0 to 1.
+/// Photograph in camera codes, divided by the largest code.
 using ScanPhotograph = Image<float, 3>;
 
 /// The camera of a scan. Thread-bound; calls block.
@@ -35,20 +35,20 @@ class ScanCamera {
  public:
   virtual ~ScanCamera() = default;
 
-  /// The key of its lens in calibration.json.
+  /// Returns the camera's id, which is the key of its lens in calibration.json.
   [[nodiscard]] virtual const std::string& id() const = 0;
   [[nodiscard]] virtual int width_px() const = 0;
   [[nodiscard]] virtual int height_px() const = 0;
   /// False for a grey camera, whose photographs have the same values in all channels.
   [[nodiscard]] virtual bool has_colour() const = 0;
-  /// Step between adjacent camera codes as a fraction of the largest code; assumes 8 bits unless overridden.
+  /// Returns the step between adjacent camera codes as a fraction of the largest code; the default is that of 8 bits.
   [[nodiscard]] virtual double code_step() const { return 1.0 / 255.0; }
   /// Takes a photograph that was exposed entirely after the call began. Values are the sensor's codes divided by the
-  /// largest code. Errors: kInvalidArgument if the camera cannot use this exposure; kTimedOut and kUnavailable as
-  /// Camera::next_frame().
+  /// largest code. Errors: kInvalidArgument if the camera cannot use this exposure; kTimedOut and kUnavailable are
+  /// those of Camera::next_frame().
   virtual Result<ScanPhotograph> photograph(double exposure_s) = 0;
-  /// Returns the actual exposure of the last photograph, which photometry takes as exact, since cameras have steps and
-  /// limits. The default assumes that the requested exposure was used.
+  /// Returns the actual exposure of the last photograph, which photometry uses, since cameras have steps and limits.
+  /// The default returns the requested exposure.
   [[nodiscard]] virtual double exposed_s(double asked_s) const { return asked_s; }
 
  protected:

@@ -16,9 +16,9 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kColumns = 24;
 constexpr int kRows = 14;
-constexpr int kStep_deg = 2;  // Step of the headings that are tried.
+constexpr int kStep_deg = 2;  // Step between the headings that are tried.
 constexpr int kMaxDirections = 36;
-constexpr double kRim = 0.04;     // Fraction of the picture at each side that is not relied upon.
+constexpr double kRim = 0.04;     // Fraction of the picture at each side that is not used.
 constexpr double kBeyond = 0.03;  // Margin beyond the picture within which something may still be seen.
 constexpr double kMinCoverage = 0.5;
 constexpr double kMinUnremarkedShare = 0.98;
@@ -50,7 +50,8 @@ std::vector<DirectionSample> observations_of(const Installation& installation, s
   return observations;
 }
 
-/// `rim`, a fraction of the picture's size, is excluded at each side; a negative value extends the picture.
+/// Returns whether a direction is in the camera's picture without its rim. `rim` is a fraction of the picture's size at
+/// each side; a negative value extends the picture.
 bool is_seen(const ScanPlanOptions& options, double angle_rad, const Eigen::Vector3d& direction, double rim) {
   const double mount[2] = {options.pitch_rad, 0.0};
   const double offset[2] = {0.0, 0.0};
@@ -67,7 +68,7 @@ using Seen = std::vector<char>;  // Indexed by sample.
 
 std::size_t count_of(const Seen& seen) { return static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)); }
 
-/// Returns the common part as a fraction of the view that sees less.
+/// Returns the overlap of two views as a fraction of the smaller view.
 double overlap_of(const Seen& a, const Seen& b) {
   std::size_t both = 0;
   for (std::size_t i = 0; i < a.size(); ++i) both += static_cast<std::size_t>(a[i] != 0 && b[i] != 0);
@@ -83,7 +84,7 @@ struct Choice {
   double overlap = 0.0;
 };
 
-/// Prefers larger coverage, then the requested overlap.
+/// Returns whether `a` is better: it covers more or, with equal coverage, is closer to the requested overlap.
 bool is_better(const Choice& a, const Choice& b, double requested) {
   if (a.covered != b.covered) return a.covered > b.covered;
   return std::abs(a.overlap - requested) < std::abs(b.overlap - requested);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The correspondences that one direction of the turntable gave for one projector, and the folder that stores them so
-/// that an interrupted scan can be resumed.
+/// The correspondences of one projector from one direction of the turntable, and the folder that stores them so that an
+/// interrupted scan can be resumed.
 ///
 ///     FOLDER/manifest.json      identity of the scan and list of its views; replaced by a rename
 ///     FOLDER/D-P.view           correspondences of direction D and projector P, written before the manifest names them
@@ -25,13 +25,13 @@ struct ScanView {
   std::size_t direction = 0;
   std::size_t projector = 0;
   double angle_rad = 0.0;   ///< Reported by the turntable.
-  double exposure_s = 0.0;  ///< 0: the projector lights nothing here.
-  double disturbed = 0.0;   ///< Fraction of the lit pixels in front of which something moved.
+  double exposure_s = 0.0;  ///< 0 if the projector lights nothing in this direction.
+  double disturbed = 0.0;   ///< Fraction of the lit pixels that something moving has disturbed.
   int pictures = 0;         ///< Photographs taken, over all attempts.
   std::vector<solve::Correspondence> correspondences{};
 };
 
-/// What two scans must have in common for one to be resumed with the other's views. A value.
+/// Identity of a scan: a scan may be resumed only with views of an equal identity. A value.
 struct ScanIdentity {
   struct Projector {
     std::string name;
@@ -44,7 +44,7 @@ struct ScanIdentity {
   int camera_height_px = 0;
   std::vector<Projector> projectors;
   std::vector<double> angles_rad;  ///< Planned angles.
-  std::string patterns;            ///< ViewSettings::text(): distinguishes one way of measuring from another.
+  std::string patterns;            ///< ViewSettings::text(): the way of measuring.
 
   friend bool operator==(const ScanIdentity&, const ScanIdentity&) = default;
 };
@@ -61,12 +61,12 @@ struct ScanManifest {
 };
 
 [[nodiscard]] std::string manifest_text(const ScanManifest& manifest);
-/// Inverse of manifest_text(). `name` stands for the file in errors. Errors: kBadData, as in "manifest.json:
+/// Parses the result of manifest_text(). `name` is the file's name in errors. Errors: kBadData, as in "manifest.json:
 /// /views/0/direction: ...; remedy".
 Result<ScanManifest> parse_manifest(std::string_view text, const std::string& name);
 
-/// Correspondences as bytes, and back. Errors: kBadData for malformed bytes, or positions outside the camera's or
-/// projector's size.
+/// Encodes correspondences as bytes, and decodes them. Errors: kBadData for malformed bytes, or positions outside the
+/// camera's or projector's picture.
 [[nodiscard]] std::vector<std::byte> encode_correspondences(std::span<const solve::Correspondence> correspondences);
 Result<std::vector<solve::Correspondence>> decode_correspondences(std::span<const std::byte> bytes,
                                                                   const ScanIdentity& identity, std::size_t projector);
@@ -77,17 +77,17 @@ class ScanFolder {
   /// Creates the folder and removes an earlier scan from it. Errors: kSystem with the reason from errno.
   static Result<ScanFolder> begin(std::filesystem::path folder, const ScanIdentity& identity);
   /// Resumes the scan in the folder. Errors: kNotFound if there is none; kBadData, with the difference and the remedy,
-  /// if it is damaged, belongs to another scan, or is more than half a day old, in which time projectors move.
+  /// if it is damaged, has another identity, or is more than half a day old, since projectors move in that time.
   static Result<ScanFolder> resume(std::filesystem::path folder, const ScanIdentity& identity);
 
   /// Removes a scan that has been calibrated, so that it cannot be resumed.
   static void end(const std::filesystem::path& folder);
 
-  /// Returns null if there is no such view. The pointer is valid until the next keep().
+  /// Returns the view of a direction and projector; null if there is none. The pointer is valid until the next keep().
   [[nodiscard]] const ScanView* find(std::size_t direction, std::size_t projector) const;
   [[nodiscard]] const std::vector<ScanView>& views() const { return views_; }
-  /// Stores the view before it returns and replaces an earlier one of the same direction and projector. Errors: kSystem
-  /// with the reason from errno, such as a full disk.
+  /// Writes the view to the disk; replaces an earlier view of the same direction and projector. Errors: kSystem with
+  /// the reason from errno, such as a full disk.
   Status keep(ScanView view);
 
  private:

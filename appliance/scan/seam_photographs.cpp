@@ -20,11 +20,11 @@
 namespace cyclorama::scan {
 namespace {
 
-constexpr int kWidth_px = 640;       // Width of a photograph in the report, which stays within some hundred kilobytes.
+constexpr int kWidth_px = 640;       // Width of a photograph in the report, which should stay small.
 constexpr double kShownWidth = 0.6;  // Fraction of the photograph that is shown, with the seam in its middle.
-constexpr float kLit = 0.15f;        // Fraction of the brightest code.
+constexpr float kLit = 0.15f;        // Minimum code of the lit wall, as a fraction of the brightest code.
 constexpr int kQuality = 80;
-constexpr std::size_t kMinSharedPoints = 6;  // Control points that two maps share; fewer are only a corner.
+constexpr std::size_t kMinSharedPoints = 6;  // Minimum number of control points in an overlap.
 constexpr float kClipped = 0.97f;
 constexpr double kMaxClipped = 0.002;
 constexpr int kMaxExposures = 6;
@@ -64,7 +64,7 @@ std::vector<Seam> seams_of(const calibration::Calibration& calibration) {
   return seams;
 }
 
-/// The picture of each head for both test pictures; empty for unknown projectors.
+/// For each test picture, the picture of each head; empty for projectors without a map.
 using Drawn = std::array<std::vector<RgbImage>, kPictures.size()>;
 
 Drawn drawn_by(const Installation& installation, const DrawnBy& by) {
@@ -117,7 +117,7 @@ Drawn drawn_by(const Installation& installation, const DrawnBy& by) {
   return drawn;
 }
 
-/// Returns a part of a white photograph: the seam in the middle, and the lit height with a margin.
+/// Returns the part of a photograph around the seam: the middle, over the lit height with a margin.
 PixelRect about_the_seam(const ScanPhotograph& white) {
   const int width = static_cast<int>(kShownWidth * white.width());
   const int left = (white.width() - width) / 2;
@@ -172,7 +172,7 @@ class SeamPhotographing {
     exposure_s_ = exposure_s;
     const std::array<Drawn, 2> drawn{drawn_by(installation_, before), drawn_by(installation_, after)};
     Result<SeamPhotographs> result = photographed(drawn, {before.when, after.when}, seams_of(*after.calibration));
-    // All projectors are made dark in every case; the first error counts.
+    // All projectors are made dark, also after an error; the first error is returned.
     const Status dark = show({});
     if (result && !dark) return dark.error();
     return result;
@@ -193,7 +193,8 @@ class SeamPhotographing {
       const Seam& seam = seams[s];
       if (stop_.stop_requested()) return cancelled();
       TRY(turn_with_retry(devices_.turntable, std::clamp(seam.heading_rad, range.min_rad, range.max_rad)));
-      // White is the brightest picture; one exposure serves all four photographs, so that they can be compared.
+      // The exposure is chosen for white, the brightest picture, and serves all photographs, so that they can be
+      // compared.
       if (s == 0) TRY(find_exposure(drawn));
       std::vector<ScanPhotograph> taken;
       for (std::size_t k = 0; k < kPictures.size(); ++k) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Photographs of the seams for the installer, as a visitor will see them, before and after a calibration.
+/// Photographs of the seams, for the installer, before and after a calibration.
 ///
 ///     for each pair of projectors that meet:  turn to the middle of their overlap
-///         ─▶ lines by the old calibration, then by the new one; white likewise ─▶ four photographs
+///         ─▶ lines and white, each drawn by the old calibration, then by the new one ─▶ four photographs
 #pragma once
 
 #include <span>
@@ -16,11 +16,10 @@
 
 namespace cyclorama::scan {
 
-/// Calibration and colours with which the heads are drawn. Without colours the projectors are blended by their maps.
+/// Calibration and colours with which the heads are drawn. Without colours, the blend follows from the maps.
 struct DrawnBy {
-  std::string when;  ///< "by the calibration of ...", for captions.
-  const calibration::Calibration* calibration =
-      nullptr;  ///< Null: drawn by installation.toml alone, as before any calibration.
+  std::string when;                                       ///< For captions: "by the calibration of ...".
+  const calibration::Calibration* calibration = nullptr;  ///< Null: drawn by installation.toml alone.
   std::span<const calibration::CalibratedColour> colours{};
 };
 
@@ -30,9 +29,9 @@ struct SeamPhotographs {
   int pictures = 0;
 };
 
-/// `after` must have a calibration; `exposure_s` is an exposure at which a single projector's white is not clipped. All
-/// projectors are dark afterwards, after an error too. Errors: those of take_photograph(), PatternScreen and Turntable.
-/// Blocks for some seconds.
+/// Photographs all seams. `after` must have a calibration; `exposure_s` is an exposure at which a single projector's
+/// white is not clipped. On return, also after an error, all projectors are dark. Errors: those of take_photograph(),
+/// PatternScreen and Turntable. Blocks for some seconds.
 Result<SeamPhotographs> photograph_seams(const Installation& installation, const DrawnBy& before, const DrawnBy& after,
                                          double exposure_s, const ScanDevices& devices, const ScanListener& listener,
                                          std::stop_token stop);

@@ -35,7 +35,7 @@ SimulatedPatternScreen::~SimulatedPatternScreen() {
 void SimulatedPatternScreen::show_dark(std::size_t projector) {
   const Pinhole& lens = museum_->installation().projectors[projector].lens;
   const Status shown = museum_->show(projector, RgbImage(lens.width_px, lens.height_px));
-  CHECK(shown.has_value());  // Always succeeds: the size is the installation's own.
+  CHECK(shown.has_value());  // Always succeeds, since the picture has the size that the installation gives.
 }
 
 Status SimulatedPatternScreen::show(std::size_t projector, const RgbImage& picture) {

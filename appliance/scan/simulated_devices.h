@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A simulated museum as the devices of a scan. Its turntable is in drivers/simulated/turntable.
+/// The screen and the camera of a simulated museum. Its turntable is in drivers/simulated/turntable.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace cyclorama::scan {
 
-/// A dark head shows black with its lamp on, so that its black level remains, as in a museum. All lamps are off
-/// afterwards, since a museum that is simulated for a calibration has no show. Borrows the museum for its whole life.
+/// A dark head shows black with its lamp on, so that its black level remains, as in a real museum. The destructor turns
+/// all lamps off, since a museum that is simulated for a calibration has no show. Borrows the museum.
 class SimulatedPatternScreen final : public PatternScreen {
  public:
   explicit SimulatedPatternScreen(simulated::SimulatedMuseum* museum);
@@ -27,8 +27,8 @@ class SimulatedPatternScreen final : public PatternScreen {
 
 enum class PhotographColour { kGrey, kColour };
 
-/// Photographs with colour filters or, three times as fast, without. A change of exposure takes as long as it takes a
-/// camera that must be reopened for it. Borrows the museum for its whole life.
+/// Takes photographs with colour filters or, three times as fast, without. A change of exposure takes as long as with a
+/// camera that must be reopened. Borrows the museum.
 class SimulatedScanCamera final : public ScanCamera {
  public:
   SimulatedScanCamera(simulated::SimulatedMuseum* museum, PhotographColour colour) : museum_(museum), colour_(colour) {}

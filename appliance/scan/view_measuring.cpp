@@ -12,10 +12,12 @@
 namespace cyclorama::scan {
 namespace {
 
-// Minimum fraction of the camera's pixels that a visible projector lights; less is indirect light or noise.
+// Minimum fraction of the camera's pixels that a visible projector lights; a smaller fraction is indirect light or
+// noise.
 constexpr double kMinLitShare = 0.002;
 constexpr int kMaxExposures = 12;
-// A pattern plus its inverse equals white plus black; the response curves of cameras change that by a sixth at most.
+// Maximum relative difference between a pattern plus its inverse and white plus black. They would be equal without the
+// cameras' response curves, which cause a difference of at most a sixth.
 constexpr float kUneven = 0.3f;
 constexpr float kUnevenCodes = 0.03f;
 constexpr float kLitGain = 0.05f;
@@ -41,7 +43,7 @@ class ViewMeasuring {
     choice.phase_steps = settings_.phase_steps;
     TRY_ASSIGN(set_, structured_light::structured_light(choice));
     auto view = measured();
-    // The projector is made dark in every case; the first error counts.
+    // The projector is made dark, also after an error; the first error is returned.
     const Status dark = screen_.show(order_.projector, RgbImage());
     if (view && !dark) return dark.error();
     return view;
@@ -73,7 +75,7 @@ class ViewMeasuring {
     view.pictures = pictures_;
     view.exposure_s = exposure_s_;
     const auto decoded = decoder.finish();
-    if (!decoded) {  // The projector lights nothing directly; the light came by way of the wall.
+    if (!decoded) {  // The camera sees no direct light of the projector, only light from the wall.
       if (decoded.error().code() != ErrorCode::kBadData) return decoded.error();
       view.exposure_s = 0.0;
       return view;
@@ -82,8 +84,8 @@ class ViewMeasuring {
     return view;
   }
 
-  /// Returns the fraction of the lit pixels for which a pattern and its inverse do not add up, because somebody is in
-  /// the way of some of the photographs. The decoder cannot distinguish that from noise if all pixels are affected.
+  /// Returns the fraction of the lit pixels at which a pattern and its inverse do not add up, because somebody was in
+  /// the way in some of the photographs. If all pixels are affected, the decoder cannot distinguish this from noise.
   [[nodiscard]] double uneven_share(const structured_light::Photo& pattern,
                                     const structured_light::Photo& inverse) const {
     std::size_t lit = 0;
@@ -115,10 +117,9 @@ class ViewMeasuring {
     return mean;
   }
 
-  /// Returns false if the projector lights nothing that the camera sees.
+  /// Finds the exposure; returns false if the projector lights nothing that the camera sees.
   Result<bool> find_exposure() {
     std::vector<structured_light::ExposureSample> samples;
-    // One photograph suffices until an exposure is known to be good.
     structured_light::ExposureTime next{order_.exposure_s.value_or(0.0)};
     if (!order_.exposure_s) {
       TRY_ASSIGN(const structured_light::ExposureAdvice first,
@@ -132,7 +133,7 @@ class ViewMeasuring {
       samples.push_back(structured_light::exposure_sample(next, white_, black_));
       const auto advice = structured_light::next_exposure(samples, settings_.exposure);
       if (!advice) {
-        // Nothing gains light at the longest exposure: the projector lights something else, or is dark.
+        // Nothing is lit at the longest exposure: the projector lights something else, or is dark.
         const structured_light::ExposureSample& newest = samples.back();
         if (newest.lit < kMinLitShare && newest.saturated <= 0.0) return false;
         return Error(advice.error()).while_doing(fmt::format("photographing projector '{}'", order_.name));

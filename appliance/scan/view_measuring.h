@@ -18,10 +18,10 @@
 
 namespace cyclorama::scan {
 
-/// Settings for the measurement of a view. The defaults (all bits of the Gray code and nothing else) were chosen on the
-/// curve of `./bench.sh calibration-trade` and in a room at full size (docs/trade.md).
+/// Settings for the measurement of a view. The defaults (all bits of the Gray code and nothing else) were chosen with
+/// `./bench.sh calibration-trade` and in a room at full size (docs/trade.md).
 struct ViewSettings {
-  int finest_bit = 0;  ///< This and the next four: as in PatternChoice.
+  int finest_bit = 0;  ///< For this member and the next three, see PatternChoice.
   int base_bit = -1;
   double phase_period_px = 0.0;
   int phase_steps = 0;
@@ -29,7 +29,8 @@ struct ViewSettings {
   structured_light::DecodeSettings decode{};
   structured_light::ExposureLimits exposure{};
 
-  /// Identifies these settings in ScanIdentity::patterns: views that were measured differently are not combined.
+  /// Returns a text that identifies these settings in ScanIdentity::patterns: views that were measured differently are
+  /// not combined.
   [[nodiscard]] std::string text() const;
 };
 
@@ -42,21 +43,21 @@ struct ViewOrder {
   std::string name;  ///< Name of the projector.
   int width_px = 0;
   int height_px = 0;
-  /// Start of the search for the exposure, such as the previous view's exposure. Nothing: no hint.
+  /// Start of the search for the exposure, such as the previous view's exposure; may be absent.
   std::optional<double> exposure_s{};
 };
 
-/// Returns codes as Photo: the mean of the channels.
+/// Returns the mean of the channels.
 [[nodiscard]] structured_light::Photo photo_of(const ScanPhotograph& photograph);
 
 /// Takes one photograph and checks its size. Errors: kUnavailable ("cancelled") if `stop` was requested; kBadData if
 /// the size has changed; otherwise those of ScanCamera::photograph().
 Result<ScanPhotograph> take_photograph(ScanCamera& camera, double exposure_s, const std::stop_token& stop);
 
-/// All other projectors must be dark; this one is dark afterwards. A view in which the projector lights nothing has no
-/// correspondences and exposure 0 and is not an error, because no direction sees all projectors.
-/// Errors: kUnavailable ("cancelled") if `stop` was requested; otherwise those of the devices and of next_exposure().
-/// Blocks.
+/// Measures one view. Precondition: all other projectors are dark; on return this projector is dark too. A view in
+/// which the projector lights nothing has no correspondences and exposure 0; this is not an error, because no direction
+/// sees all projectors. Errors: kUnavailable ("cancelled") if `stop` was requested; otherwise those of the devices and
+/// of next_exposure(). Blocks.
 Result<ScanView> measure_view(const ViewOrder& order, const ViewSettings& settings, PatternScreen& screen,
                               ScanCamera& camera, const PhotographListener& listener, std::stop_token stop);
 

@@ -18,7 +18,7 @@ namespace {
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kWidth_px = 1000.0;
 constexpr double kMargin_px = 40.0;
-constexpr int kMaxCells = 40;  // Across a projector's picture: enough for the eye, and small enough for a page.
+constexpr int kMaxCells = 40;  // Across a projector's picture: fine enough to see, and small enough for a page.
 constexpr std::array<PlotStep, 6> kSteps{{{0.1, "#1a7f37", "to 0.1 px"},
                                           {0.25, "#7cb342", "to 0.25 px"},
                                           {0.5, "#fdd835", "to 0.5 px"},
@@ -41,7 +41,7 @@ std::optional<Eigen::Vector2d> degrees_of(const Eigen::Vector3d& direction) {
                          std::asin(std::clamp(direction.y() / direction.norm(), -1.0, 1.0)) * kDegrees);
 }
 
-/// Returns a round spacing in degrees that gives about ten lines.
+/// Returns a round spacing in degrees that gives at most 14 lines, where possible.
 double spacing_deg(double span_deg) {
   for (const double step : {1.0, 2.0, 5.0, 10.0, 15.0, 30.0}) {
     if (span_deg / step <= 14.0) return step;
@@ -103,7 +103,7 @@ std::optional<Eigen::Vector2d> WallPlot::place_of(const Eigen::Vector3d& directi
                          (max_deg_.y() - position->y()) * px_per_deg_);
 }
 
-/// `path_of(sigma)` returns the path to which a cell of that sigma is added; null: none.
+/// Adds a map's cells to paths. `path_of(sigma)` returns the path for a cell with this sigma; null omits the cell.
 template <typename PathOf>
 void WallPlot::add_cells(const calibration::MeasuredMap& map, const PathOf& path_of) {
   const calibration::MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
@@ -162,7 +162,7 @@ void WallPlot::add_spots(std::span<const Spot> spots) {
     if (!at || !std::isfinite(spot.value_px)) continue;
     paths[step_of(spot.value_px)] += fmt::format("M{:.1f} {:.1f}h0", at->x(), at->y());
   }
-  // The worst are drawn last, so that they are not hidden.
+  // The largest errors are drawn last, so that they are not hidden.
   for (std::size_t i = 0; i < paths.size(); ++i)
     add_path(paths[i], "fill=\"none\" stroke-width=\"3\" stroke-linecap=\"round\" stroke", kSteps[i].colour);
 }

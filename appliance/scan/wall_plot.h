@@ -17,7 +17,7 @@ struct PlotStep {
   const char* colour;
   const char* text;
 };
-/// Scale for errors and sigmas in projector pixels, from good to bad; the last step is unbounded.
+/// Returns the colour scale for errors and sigmas in projector pixels, from good to bad; the last step is unbounded.
 [[nodiscard]] std::span<const PlotStep> pixel_scale_steps();
 /// Returns the colour of projector number `i`.
 [[nodiscard]] const char* projector_colour(std::size_t i);
@@ -28,7 +28,7 @@ class WallPlot {
  public:
   explicit WallPlot(std::span<const calibration::MeasuredMap* const> maps);
 
-  /// The part of the wall that a map covers.
+  /// Fills the part of the wall that a map covers.
   void add_area(const calibration::MeasuredMap& map, const char* colour, std::string_view name);
   /// Colours each cell of a map by its sigma.
   void add_sigmas(const calibration::MeasuredMap& map);
@@ -36,7 +36,7 @@ class WallPlot {
     Eigen::Vector3d direction;
     double value_px = 0.0;
   };
-  /// Draws dots in the scale's colours.
+  /// Draws dots in the colours of pixel_scale_steps().
   void add_spots(std::span<const Spot> spots);
   [[nodiscard]] std::string svg(std::string_view title) const;
 

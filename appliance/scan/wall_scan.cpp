@@ -80,9 +80,9 @@ class WallScanning {
     return Done{};
   }
 
-  /// All views of a direction must come from one stop of the turntable, with one pose, because it never stops twice at
-  /// exactly the same angle. So a direction of an interrupted scan counts only if it is complete. Views that showed no
-  /// light are measured again, since the projector may have been switched on since.
+  /// Returns whether all views of a direction are stored. The turntable never stops twice at exactly the same angle, so
+  /// all views of a direction must come from one stop, and an incomplete direction is measured anew. Views without
+  /// light do not count, since the projector may have been switched on since.
   [[nodiscard]] bool is_complete(const ScanFolder& kept, std::size_t d) const {
     return std::ranges::all_of(plan_.directions[d].projectors, [&](std::size_t p) {
       const ScanView* before = kept.find(d, p);
@@ -90,7 +90,7 @@ class WallScanning {
     });
   }
 
-  /// Measures once more if somebody was in the way, and returns the better view.
+  /// Measures a view, and measures it once more if somebody was in the way; returns the better view.
   Result<ScanView> undisturbed_view(std::size_t d, std::size_t p) {
     TRY_ASSIGN(ScanView view, view_of(d, p));
     if (view.disturbed <= settings_.max_disturbed) return view;
@@ -212,7 +212,7 @@ calibration::MeasuredLens data_sheet_lens(int width_px, int height_px, double fi
   const auto allow = [&](calibration::MeasuredLens::Parameter parameter, double sigma) {
     lens.covariance(parameter, parameter) = sigma * sigma;
   };
-  // Priors for the distortion of camera lenses: a few percent of barrel distortion, seldom more.
+  // Prior deviations of the distortion: camera lenses seldom have more than a few percent of barrel distortion.
   allow(calibration::MeasuredLens::kK1, 0.15);
   allow(calibration::MeasuredLens::kK2, 0.05);
   allow(calibration::MeasuredLens::kP1, 0.001);

@@ -15,23 +15,23 @@ namespace cyclorama::solve {
 namespace {
 
 constexpr double kWallFloor_px = 0.05;  // Added to a sample's sigma: residual errors of the lens models.
-// An old map stays valid if it predicts new measurements about as well as the new map predicts its left-out ones;
-// left-out errors of some hundred correspondences scatter by some percent.
+// An old map stays valid if its error on new measurements is at most this multiple of the new map's error on left-out
+// ones; such errors scatter by some percent over some hundred correspondences.
 constexpr double kStillRight = 1.1;
-// Ratio up to which all old maps together may be kept; their own error is then less than three quarters of the new
-// maps' scatter, since 1.25² = 1 + 0.75².
+// Largest ratio of the old maps' errors to the new maps' at which all old maps may be kept together. The old maps'
+// systematic error is then at most three quarters of the new maps' scatter, since 1.25² = 1 + 0.75².
 constexpr double kHardlyWorse = 1.25;
-/// A smaller relative difference of the registration is within the scatter of single correspondences and no evidence of
-/// motion.
+/// A smaller ratio of registrations is within the scatter of single correspondences, and no evidence of motion.
 constexpr double kRegistersAsWell = 1.02;
-/// Fraction of the new measurements for which an old map may have no direction, since either map may end a little
-/// earlier at the rim.
+/// Maximum fraction of the new measurements for which only the old map has no direction; the maps' rims differ
+/// slightly.
 constexpr double kMaxUnknownShare = 0.01;
-constexpr double kMaxUnremarkedError_px = 0.5;  // Left-out error of a map.
-// A hint is wrong if it worsens the prediction of left-out tracks by more than this; they scatter by some percent.
+constexpr double kMaxUnremarkedError_px = 0.5;  // A map with a larger left-out error gets a remark.
+// A hint is wrong if it increases the error of left-out tracks by more than this factor; such errors scatter by some
+// percent.
 constexpr double kHintAgrees = 1.02;
 constexpr int kRefitSteps = 20;
-constexpr double kKnownFloor_px = 0.1;  // Sigma added to a direction of an old map, whose cells are flat.
+constexpr double kKnownFloor_px = 0.1;  // Added to the sigma of an old map's direction, since a map's cells are flat.
 
 using Samples = std::vector<std::vector<MapSample>>;  // Indexed by projector.
 
@@ -54,8 +54,8 @@ const calibration::CalibratedProjector* projector_of(const calibration::Calibrat
   return at == calibration->projectors.end() ? nullptr : &*at;
 }
 
-/// Returns the rotation from directions of the previous calibration to the new ones, since the turntable's heading and
-/// tilt are estimated anew each time. Robust against projectors that have been moved.
+/// Returns the rotation from directions of the previous calibration to new ones: each calibration estimates the
+/// turntable's heading and tilt anew. Robust against displaced projectors.
 Eigen::Matrix3d turn_of(const calibration::Calibration& before, const Measurements& measurements,
                         const Samples& samples) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
@@ -108,7 +108,7 @@ std::vector<MapSample> wall_samples(const Samples& samples, std::size_t count) {
   return chosen;
 }
 
-/// Looks up a pixel in a previous map, which serves as a further reference for the camera's pose.
+/// Returns a pixel's direction by a previous map, as a further reference for the camera's pose.
 std::optional<KnownDirection> known_direction(const calibration::MeasuredMap& map, const Eigen::Matrix3d& turn,
                                               const Eigen::Vector2d& pixel) {
   const auto at = map.direction_at(pixel);
@@ -119,7 +119,7 @@ std::optional<KnownDirection> known_direction(const calibration::MeasuredMap& ma
   return KnownDirection{turn * *at, sigma_rad};
 }
 
-/// The steps of one calibration; each uses the results of the one before.
+/// The steps of one calibration; each step uses the results of the step before it.
 class Calibrating {
  public:
   Calibrating(const Measurements& measurements, const CellMeans& means, const CalibrateOptions& options)
@@ -152,9 +152,9 @@ class Calibrating {
  private:
   void remark(std::string words) { calibration_.remarks.push_back(std::move(words)); }
 
-  /// The camera's offset is observable by parallax alone and may be lost in noise; then all directions share an error,
-  /// and correct maps would seem wrong. So if the previous calibration determined the offset better, its maps help to
-  /// estimate it; projectors that have moved since then are outliers.
+  /// Solves the turntable again with the previous maps as hints, if the previous calibration determined the camera's
+  /// offset better. The offset is observable only by parallax and may be lost in noise; all directions then share an
+  /// error, and correct maps would seem wrong. Projectors that have been displaced since are outliers.
   void use_previous_maps(const TurntableSolver& solver) {
     const calibration::Calibration& before = *options_.previous;
     if (!(before.turntable.offset_sigma_m.norm() <= calibration_.turntable.offset_sigma_m.norm())) return;
@@ -173,7 +173,7 @@ class Calibrating {
                       before.date, turntable ? turntable->heldout_rms_px : 0.0, calibration_.turntable.heldout_rms_px));
       return;
     }
-    // The result is no more accurate than the maps that it was derived from.
+    // The offset is not more accurate than the maps from which it was derived.
     const Eigen::Vector2d both =
         turntable->offset_sigma_m.array().square() + before.turntable.offset_sigma_m.array().square();
     turntable->offset_sigma_m = both.cwiseSqrt();
@@ -181,8 +181,8 @@ class Calibrating {
     hints_.known = hints.known;
   }
 
-  /// A fitted wall describes the inverse depth where spherical harmonics cannot (a corner), and so improves the
-  /// camera's offset.
+  /// Fits the wall and solves the turntable again with it: a fitted wall describes inverse depths that spherical
+  /// harmonics cannot (a corner), and thereby improves the camera's offset.
   void find_wall(const TurntableSolver& solver) {
     auto wall = choose_model(measurements_.projectors, wall_samples(samples_, options_.wall_samples),
                              measurements_.wall_distance_m, options_.model);
@@ -219,7 +219,7 @@ class Calibrating {
       calibration::MeasuredMap old = turned(before->map, turn_);
       const auto error = map_error_px(old, samples_[p]);
       const double own = projector.map.heldout_rms_px;
-      // An old map with a hole that the new one lacks is replaced, however accurate the rest is.
+      // An old map with a hole that the new map does not have is replaced, however accurate the rest of it is.
       const bool has_hole = known_part(old, samples_[p]) < known_part(projector.map, samples_[p]) - kMaxUnknownShare;
       projector.is_previous = error && *error < kStillRight * own && !has_hole;
       if (projector.is_previous) projector.map = old;
@@ -245,9 +245,9 @@ class Calibrating {
     return Done{};
   }
 
-  /// If some maps are kept and others are not, old and new ones have to register with each other; and if none is kept,
-  /// all may have missed the limit narrowly. If the old maps together register as well, the new ones differ by the
-  /// camera's error (few degrees seen, much noise), and no projector has moved.
+  /// Keeps all old maps if they register as well as the new ones: the new maps then differ only by the camera's error
+  /// (few degrees seen, much noise), and no projector was displaced. Applies if some maps were kept and others not,
+  /// since the two kinds must register with each other, and if none was kept but all were close to the limit.
   void keep_maps_that_register_as_well() {
     std::vector<calibration::CalibratedProjector>& projectors = calibration_.projectors;
     const auto kept = std::ranges::count_if(projectors, &calibration::CalibratedProjector::is_previous);
@@ -271,7 +271,7 @@ class Calibrating {
   const CellMeans& means_;
   const CalibrateOptions& options_;
   calibration::Calibration calibration_;
-  /// Rotated to the new frame; without those that have holes.
+  /// Old maps without holes, rotated to the new frame.
   std::vector<std::pair<std::size_t, calibration::MeasuredMap>> maps_of_before_;
   double worst_of_before_ = 0.0;  ///< Largest error of an old map relative to the new map's error on left-out samples.
   Samples samples_;
@@ -294,7 +294,7 @@ calibration::MeasuredMap seen_from(const calibration::MeasuredMap& map, const ca
   for (Eigen::Vector3d& direction : moved.directions) {
     if (!direction.allFinite()) continue;
     const auto inverse_depth = wall.inverse_depth_at(direction);
-    // direction / inverse_depth - eye, times the inverse depth, which may be 0.
+    // This is (direction / inverse_depth - eye) times the inverse depth, which may be 0.
     const Eigen::Vector3d seen = direction - inverse_depth.value_or(0.0) * eye_m;
     if (inverse_depth && seen.norm() > 1e-9) {
       direction = seen.normalized();

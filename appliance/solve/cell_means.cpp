@@ -8,12 +8,12 @@
 namespace cyclorama::solve {
 namespace {
 
-constexpr int kCellsPerPatch = 4;  // Per axis: the wall is nearly linear over so many cells.
+constexpr int kCellsPerPatch = 4;  // Per axis; over this many cells the wall is nearly flat.
 constexpr std::size_t kMinPixelsInPatch = 8;
 constexpr int kMinPixelsInCell = 3;
 constexpr double kMadToSigma = 1.4826;
 constexpr double kFarSigmas = 4.5;
-constexpr double kMinSigma_px = 0.01;  // Lower bound however many are averaged, set by optics and decoding.
+constexpr double kMinSigma_px = 0.01;  // Lower bound, set by optics and decoding, for any number of pixels.
 
 struct Item {
   Eigen::Vector2d camera;
@@ -28,7 +28,7 @@ double median(std::vector<double>* values) {
   return *middle;
 }
 
-/// camera = at + slope * (projector - centre)
+/// Local linear map: camera = at + slope * (projector - centre).
 struct Patch {
   Eigen::Vector2d at = Eigen::Vector2d::Zero();
   Eigen::Matrix2d slope = Eigen::Matrix2d::Identity();
@@ -54,7 +54,7 @@ bool fit(const std::vector<Item>& items, const Eigen::Vector2d& centre, Patch* r
   return solved.allFinite() && std::abs(ret_patch->slope.determinant()) > 1e-9;
 }
 
-/// Marks outliers. Returns true if enough items agree.
+/// Marks outliers, and fits the others. Returns true if enough items agree.
 bool refuse_far_ones(const Eigen::Vector2d& centre, std::vector<Item>* items, Patch* ret_patch) {
   std::vector<double> us, vs;
   for (const Item& item : *items) {

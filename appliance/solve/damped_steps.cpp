@@ -11,10 +11,10 @@ namespace {
 constexpr double kFirstDamping = 1e-4;
 constexpr double kMinDamping = 1e-16;
 constexpr double kMaxDamping = 1e16;  // With more damping no step decreases the cost.
-// Relative decrease of the cost that ends the first pass, which only provides a start for the second.
+// Function tolerance of the first pass, which only provides a start for the second.
 constexpr double kNearEnough = 1e-6;
 constexpr double kMinQuality = 1e-3;    // Minimum ratio of actual to predicted decrease.
-constexpr double kMinCurvature = 1e-6;  // Keeps unconstrained parameters where they are.
+constexpr double kMinCurvature = 1e-6;  // Lower bound that keeps unconstrained parameters unchanged.
 
 }  // namespace
 

@@ -17,9 +17,9 @@
 namespace cyclorama::solve {
 namespace {
 
-constexpr double kFloor_px = 0.02;  // Part of a sample's sigma that averaging does not reduce.
+constexpr double kFloor_px = 0.02;  // Added to a sample's sigma: error that averaging does not reduce.
 constexpr double kRobust_sigmas = 3.0;
-constexpr double kSharpBends = 2.0;  // Bends larger than this many expected bends are down-weighted.
+constexpr double kSharpBends = 2.0;  // Multiple of the expected bend above which a bend is down-weighted.
 constexpr std::array<double, 5> kStiffnesses_px = {0.01, 0.03, 0.1, 0.3, 1.0};
 constexpr int kAttempt = 2;  // Index of the initial stiffness.
 constexpr double kAttempt_px = kStiffnesses_px[kAttempt];
@@ -42,7 +42,7 @@ class MapFit {
     factor_.analyzePattern(normal_.at_stiffness(kAttempt_px));
   }
 
-  /// Sums the weighted equations that solve() uses.
+  /// Sums the weighted equations for solve().
   void sum(bool with_left_out) {
     normal_.forget_samples();
     for (std::size_t i = 0; i < samples_.size(); ++i) {
@@ -65,7 +65,7 @@ class MapFit {
     return positions_.allFinite();
   }
 
-  /// Updates the robust weights of all samples and bends from the last solution, and the chart's scale at each node.
+  /// Updates, from the last solution, the robust weights of all samples and bends, and the chart's scale at each node.
   void weigh(double stiffness_px) {
     for (int y = 0; y <= grid_.cells_y; ++y) {
       for (int x = 0; x <= grid_.cells_x; ++x) {
@@ -116,14 +116,14 @@ class MapFit {
     return trimmed_root_mean(&squares);
   }
 
-  /// Returns the RMS over all samples in sigmas, per axis.
+  /// Returns the RMS over all samples in sigmas, per axis, without the worst twentieth.
   [[nodiscard]] double chi() const {
     std::vector<double> squares;
     for (const Placed& sample : samples_) squares.push_back(0.5 * square(error_px(sample) / sample.sigma_px));
     return trimmed_root_mean(&squares);
   }
 
-  /// Returns for each node the distance in cells to the nearest node with a sample that has enough weight.
+  /// Returns, for each node, the distance in cells to the nearest node with a sample of sufficient weight.
   [[nodiscard]] std::vector<int> cells_from_samples() const {
     constexpr double kBelieved = 0.2;
     std::vector<int> steps(static_cast<std::size_t>(grid_.nodes()), -1);
@@ -186,7 +186,7 @@ class MapFit {
   Eigen::MatrixX2d positions_;
 };
 
-/// Returns the chart units per pixel over all samples; 0 if they are collinear.
+/// Returns the chart units per pixel over all samples; 0 if the samples are collinear.
 double overall_scale(const std::vector<Placed>& placed, std::span<const MapSample> samples) {
   Eigen::Vector2d pixel_mean = Eigen::Vector2d::Zero();
   Eigen::Vector2d target_mean = Eigen::Vector2d::Zero();
@@ -208,8 +208,8 @@ double overall_scale(const std::vector<Placed>& placed, std::span<const MapSampl
   return std::sqrt(std::abs((cross * spread.inverse()).determinant()));
 }
 
-/// Returns the stiffness that best predicts left-out samples, and its error in pixels. The error has one minimum over
-/// the stiffness, so the search descends from the initial one.
+/// Returns the stiffness with the smallest error of left-out samples, and this error in pixels. As a function of the
+/// stiffness the error has one minimum, so the search descends from the initial stiffness.
 std::pair<double, double> best_stiffness_of(MapFit* fit) {
   const auto error_at = [&](int i) {
     if (i < 0 || i >= static_cast<int>(kStiffnesses_px.size())) return std::numeric_limits<double>::infinity();
@@ -226,7 +226,7 @@ std::pair<double, double> best_stiffness_of(MapFit* fit) {
       if (is_falling) best += step;
       if (is_falling) min = error;
     }
-    if (best != kAttempt) break;  // If one direction descends, the other ascends.
+    if (best != kAttempt) break;  // If the error falls to one side, it rises to the other.
   }
   return {kStiffnesses_px[static_cast<std::size_t>(best)], min};
 }
@@ -255,7 +255,7 @@ Result<calibration::MeasuredMap> fit_measured_map(int width_px, int height_px, s
     const auto weights = grid.weights_at(sample.projector_px);
     const auto position = chart->place_of(sample.direction);
     if (!weights || !position || !(sample.sigma_px > 0.0)) continue;
-    // A fixed hash scatters the blocks; neighbouring directions leave out the same blocks.
+    // A fixed hash scatters the left-out blocks, which are the same in all directions of the turntable.
     const auto column = static_cast<unsigned>(sample.projector_px.x()) / static_cast<unsigned>(block_px);
     const auto row = static_cast<unsigned>(sample.projector_px.y()) / static_cast<unsigned>(block_px);
     const unsigned hash = (column * 2654435761U) ^ (row * 2246822519U);

@@ -13,7 +13,7 @@
 namespace cyclorama::solve {
 
 /// A projector's pixel and the direction in which the sweet spot sees it; the pixel has noise, the direction is exact.
-/// Maps are fitted to one projector's samples, the wall to those of all projectors.
+/// A map is fitted to the samples of one projector, the wall to the samples of all projectors.
 struct MapSample {
   Eigen::Vector2d projector_px;
   Eigen::Vector3d direction;  ///< Eye frame, unit length.
@@ -23,16 +23,16 @@ struct MapSample {
 
 struct MapOptions {
   int cell_px = 16;           ///< Approximate spacing of the control points.
-  double max_sigma_px = 2.0;  ///< A gap with a larger sigma is not filled.
-  double max_gap_px = 240.0;  ///< A gap is not filled farther than this from any sample.
+  double max_sigma_px = 2.0;  ///< Control points with a larger sigma have no direction.
+  double max_gap_px = 240.0;  ///< Control points farther than this from any sample have no direction.
   std::size_t min_samples = 60;
-  int left_out_every = 8;  ///< One block of samples in this many is left out while the stiffness is chosen.
+  int left_out_every = 8;  ///< While the stiffness is chosen, one in this many blocks of samples is left out.
 };
 
-/// Fits a map by robust least squares with smoothness, by sparse Cholesky; the control points' variances come from
-/// selected inversion. Creases are allowed: a bend is penalised less the sharper it is.
-/// Errors: kInvalidArgument, with the remedy, if there are too few samples, or they are collinear or surround the sweet
-/// spot; kBadData if the least-squares problem has no solution. Reentrant.
+/// Fits a map by robust least squares with a smoothness prior. Creases are allowed: the sharper a bend, the less it is
+/// penalised. Solver: sparse Cholesky; the control points' variances come from selected inversion. Errors:
+/// kInvalidArgument, with the remedy, if there are too few samples, or they are collinear or surround the sweet spot;
+/// kBadData if the least-squares problem has no solution. Reentrant.
 Result<calibration::MeasuredMap> fit_measured_map(int width_px, int height_px, std::span<const MapSample> samples,
                                                   const MapOptions& options = {});
 

@@ -10,7 +10,7 @@
 
 namespace cyclorama::solve {
 
-/// One smoothness term: the weighted sum of up to four control points, expected to be 0.
+/// Smoothness term: a weighted sum of up to four control points whose expected value is 0.
 struct Bend {
   std::array<int, 4> nodes{};
   std::array<double, 4> factors{};
@@ -20,8 +20,8 @@ struct Bend {
 /// Returns the bends along rows, along columns and across each cell.
 [[nodiscard]] std::vector<Bend> bends_of(const calibration::MapGrid& grid);
 
-/// The normal equations of a map's control points: the sum of the samples' terms and of the bends' terms divided by the
-/// square of a stiffness. The two sums are separate, so a new stiffness needs no new summation; the sparsity pattern
+/// Normal equations of a map's control points: the terms of the samples plus those of the bends divided by the square
+/// of a stiffness. The two are summed separately, so that a new stiffness needs no new summation; the sparsity pattern
 /// never changes. Thread-bound.
 class MapNormal {
  public:
@@ -33,7 +33,7 @@ class MapNormal {
   void add(const calibration::GridWeights& sample, const Eigen::Vector2d& target, double weight);
   /// Adds the equation that a bend is 0, at stiffness 1.
   void add(const Bend& bend, double weight);
-  /// Returns the lower triangle.
+  /// Returns the lower triangle of the normal matrix for a stiffness.
   [[nodiscard]] const Eigen::SparseMatrix<double>& at_stiffness(double stiffness);
   [[nodiscard]] const Eigen::MatrixX2d& right() const { return right_; }
 
@@ -41,7 +41,7 @@ class MapNormal {
   [[nodiscard]] Eigen::Index place_of(int a, int b) const;
 
   Eigen::SparseMatrix<double> sum_;
-  Eigen::VectorXd by_samples_;  ///< One per stored entry of `sum_`.
+  Eigen::VectorXd by_samples_;  ///< One value per stored entry of `sum_`.
   Eigen::VectorXd by_bends_;
   Eigen::MatrixX2d right_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The measurements of a scan, as the decoder passes them to the solver.
+/// Measurements of a scan: the solver's input.
 ///
 ///     turntable's axis (y)      a direction = one angle of the turntable; it gives correspondences
 ///          │  . heading              camera pixel ──▶ projector, and the projector's pixel that lights that point
@@ -22,7 +22,7 @@
 
 namespace cyclorama::solve {
 
-/// The camera's pixel is exact; the projector's has noise of `sigma_px` per axis.
+/// A camera pixel, which is exact, and the projector's pixel that it sees, whose noise is `sigma_px` per axis.
 struct Correspondence {
   float camera_u = 0.0f;
   float camera_v = 0.0f;
@@ -38,7 +38,7 @@ struct TurntableDirection {
   std::vector<Correspondence> correspondences;
 };
 
-/// Prior pose of a projector, from the installation: start of the fit, with standard deviations.
+/// Prior pose of a projector, from the installation; the fit starts from it.
 struct ProjectorPosePrior {
   calibration::MeasuredLens lens;
   RigidTransform<frame::Eye, frame::Projector> T_eye_projector;
@@ -54,16 +54,17 @@ struct MeasuredProjector {
 };
 
 struct Measurements {
-  calibration::MeasuredLens camera;  ///< With the covariance from its own calibration.
-  /// Approximate upward tilt of the camera; the solver refines it and finds the roll.
+  calibration::MeasuredLens camera;  ///< Lens with the covariance of its calibration.
+  /// Approximate upward tilt of the camera; the solver refines it, and estimates the roll.
   double pitch_rad = 0.0;
   std::vector<TurntableDirection> directions;
   std::vector<MeasuredProjector> projectors;
   /// Approximate distance from the sweet spot to the wall; it sets the scale of all lengths.
   double wall_distance_m = 4.0;
-  double wall_distance_sigma_m = 1.0;  ///< Standard deviation from variation along the wall and from error.
+  double wall_distance_sigma_m = 1.0;  ///< Standard deviation: the variation along the wall, and the error.
 
-  /// Errors: kInvalidArgument, with the direction, projector or correspondence at fault and the remedy.
+  /// Checks the values. Errors: kInvalidArgument, with the direction, projector or correspondence at fault and the
+  /// remedy.
   [[nodiscard]] Status validate() const;
 };
 

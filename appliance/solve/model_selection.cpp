@@ -14,13 +14,14 @@ namespace {
 constexpr double kBlock_px = 96.0;
 constexpr double kFlat_sigmas = 3.0;
 constexpr int kFoldSteps = 15;
-// Models of walls are first compared with this model of the projectors' lenses.
+// Lens model of the projectors with which wall models are compared first.
 constexpr calibration::LensModel kWallsLens = calibration::LensModel::kRadial1;
-// Walls are compared again with a richer lens model that reduces the left-out error by this factor; less is chance.
+// Wall models are compared again with a richer lens model if that reduces the left-out error by at least this factor; a
+// smaller decrease is chance.
 constexpr double kLensMatters = 1.02;
-// The search ends at a model whose prediction is already as good as the measurements themselves and is not improved by
-// the next model. The first condition alone is not enough: an error below the noise of one sample is significant over a
-// thousand.
+// The search ends at a model whose left-out error is at most this multiple of the measurements' noise, if the next
+// model does not improve it. The first condition alone is not enough: an error below the noise of one sample is
+// significant over a thousand samples.
 constexpr double kAsGoodAsNoise = 1.25;
 
 int fold_of(const MapSample& sample, int folds) {
@@ -51,7 +52,7 @@ class ModelSelection {
     }
   }
 
-  /// Fits the best of several starts, then fits the folds from there.
+  /// Fits from several starts, then fits the folds from the best result.
   Tried attempt(std::string name, int parameters, const std::vector<calibration::SurfaceFit>& starts,
                 calibration::LensModel lens) const {
     Tried tried;
@@ -165,7 +166,7 @@ std::vector<calibration::SurfaceFit> starts_of(calibration::SurfaceModel model, 
       starts.push_back(richer(cylinder, model, spread, knot_rad));
       starts.push_back(richer(bent(round), model, spread, knot_rad));
       if (const calibration::SurfaceFit* profile = found(calibration::SurfaceModel::kProfile); profile != nullptr) {
-        starts.push_back(starts.back());  // The flexible profile gives the projectors' poses.
+        starts.push_back(starts.back());  // The projectors' poses of the flexible profile are a further start.
         starts.back().projectors = profile->projectors;
       }
       starts.push_back(richer(first, model, spread, knot_rad));
@@ -174,8 +175,8 @@ std::vector<calibration::SurfaceFit> starts_of(calibration::SurfaceModel model, 
       break;
     case calibration::SurfaceModel::kProfile:
       starts.push_back(richer(cylinder, model, spread, knot_rad));
-      // In a corner, plane and cylinder may both have converged to one of its walls, from where no descent leads round
-      // it.
+      // In a corner, plane and cylinder may both have converged to one of the two walls, from which no descent leads to
+      // the corner.
       for (const double curvature : {round, 0.4 * round})
         starts.push_back(richer(bent(curvature), model, spread, knot_rad));
       break;
@@ -194,7 +195,7 @@ std::vector<calibration::SurfaceFit> starts_of(calibration::SurfaceModel model, 
   return starts;
 }
 
-/// Results of all lens models for one wall.
+/// Results of all lens models for one wall model.
 struct LensSelectionTest {
   std::vector<Tried> tried;  ///< In the order of kProjectorLensModels.
   std::size_t best_at = 0;
@@ -214,7 +215,7 @@ struct LensSelectionTest {
   }
 };
 
-/// `wall` was fitted with kWallsLens.
+/// Fits all lens models. `wall` is the fit with kWallsLens.
 LensSelectionTest climb_lenses(const ModelSelection& selection, const Tried& wall) {
   std::vector<std::future<Tried>> attempts;
   for (const calibration::LensModel model : kProjectorLensModels) {
@@ -287,8 +288,8 @@ Result<calibration::ModelChoice> choose_model(const std::vector<MeasuredProjecto
                  "about right");
   }
   LensSelectionTest lenses = climb_lenses(selection, tried[*chosen]);
-  // If the lenses are richer than the model with which walls were compared, richer walls may have compensated for them;
-  // so walls are compared again with these lenses.
+  // If the lenses need a richer model than kWallsLens, richer walls may have compensated for it, so walls are compared
+  // again with that lens model.
   if (kLensMatters * lenses.best().heldout_rms_px < lenses.of(kWallsLens).trial.heldout_rms_px) {
     const calibration::LensModel lens = kProjectorLensModels[lenses.best_at];
     std::map<calibration::SurfaceModel, Tried> again;

@@ -12,8 +12,8 @@ namespace cyclorama::solve {
 
 struct ModelOptions {
   int folds = 3;
-  /// A smaller wall model is accepted if its held-out error exceeds the best model's by at most this fraction, or by
-  /// `tolerance_px`, which is too small to see.
+  /// A smaller wall model is accepted if its left-out error exceeds the best model's by at most this fraction, or by
+  /// `tolerance_px`, which is invisible.
   double tolerance = calibration::kMinModelGain;
   double tolerance_px = 0.005;
   double lens_tolerance_px = 0.02;
@@ -25,8 +25,8 @@ struct ModelOptions {
 };
 
 /// Selects the surface model, then the lens model, by cross-validation. A fold leaves out whole squares of a
-/// projector's picture, so a rich model has to interpolate across them. Errors: kBadData if no model fits; otherwise
-/// those of surface_start(). Reentrant.
+/// projector's picture, across which a rich model must interpolate. Errors: kBadData if no model fits; otherwise those
+/// of surface_start(). Reentrant.
 Result<calibration::ModelChoice> choose_model(const std::vector<MeasuredProjector>& projectors,
                                               std::span<const MapSample> samples, double wall_distance_m,
                                               const ModelOptions& options = {});

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kAbout = 20000;  // Approximate number of camera pixels that are compared.
 
-/// Returns the derivative of the direction by the projector's pixel; nothing at the map's rim.
+/// Returns the derivative of the direction with respect to the projector's pixel; nothing at the map's rim.
 std::optional<Eigen::Matrix<double, 3, 2>> slope_at(const calibration::MeasuredMap& map, const Eigen::Vector2d& pixel) {
   Eigen::Matrix<double, 3, 2> slope;
   for (int axis = 0; axis < 2; ++axis) {

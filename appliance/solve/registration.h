@@ -8,15 +8,15 @@
 namespace cyclorama::solve {
 
 /// Registration error: the distance on the wall, in projector pixels, between two projectors' drawings of a point that
-/// one camera pixel saw lit by both. It includes the noise of those single correspondences.
+/// one camera pixel saw lit by both. It includes the noise of single correspondences.
 struct MeasuredRegistration {
   double mean_px = 0.0;
   double p95_px = 0.0;
-  std::size_t correspondences = 0;  ///< 0: no two projectors were seen to overlap.
+  std::size_t correspondences = 0;  ///< 0 if no two projectors were seen to overlap.
 };
 
-/// Measures the registration. A camera pixel sees one point of the wall whatever the camera's model, so the result does
-/// not depend on that model. Reentrant.
+/// Measures the registration. The result does not depend on the camera's model, since a camera pixel sees one point of
+/// the wall under any model. Reentrant.
 [[nodiscard]] MeasuredRegistration measured_registration(const Measurements& measurements,
                                                          const calibration::Calibration& calibration);
 

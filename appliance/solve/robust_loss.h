@@ -5,10 +5,10 @@
 
 namespace cyclorama::solve {
 
-/// The cost of a residual of many sigmas.
+/// Loss functions; they differ in the cost of a residual of many sigmas.
 enum class RobustLoss {
-  kHuber,   ///< Linear in the residual: converges from afar.
-  kCauchy,  ///< Logarithmic in the residual: ignores gross errors.
+  kHuber,   ///< Linear in the residual: converges from distant starts.
+  kCauchy,  ///< Logarithmic in the residual: ignores outliers.
 };
 
 struct WeighedSquare {
@@ -16,8 +16,8 @@ struct WeighedSquare {
   double weight = 1.0;  ///< Derivative of the loss: the weight of the residual in the normal equations.
 };
 
-/// Evaluates the loss at `square`, the squared length of a residual in sigmas; residuals of up to `limit` sigmas count
-/// about quadratically.
+/// Evaluates the loss at `square`, the squared length of a residual in sigmas. Up to `limit` sigmas the cost is about
+/// quadratic.
 [[nodiscard]] inline WeighedSquare weighed(RobustLoss loss, double limit, double square) {
   const double limits = limit * limit;
   if (loss == RobustLoss::kCauchy) return {0.5 * limits * std::log1p(square / limits), 1.0 / (1.0 + square / limits)};

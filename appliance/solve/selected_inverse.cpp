@@ -12,12 +12,12 @@ std::vector<double> inverse_diagonal(const Eigen::SimplicialLDLT<Eigen::SparseMa
   const auto& d = factor.vectorD();
   const Eigen::Index n = lower.cols();
   const auto begin = [&](Eigen::Index column) { return lower.outerIndexPtr()[column]; };
-  // Stored in the order of the factor's entries.
+  // Entries of Z, in the order of the factor's entries.
   std::vector<double> z(static_cast<std::size_t>(lower.nonZeros()), 0.0);
   std::vector<double> diagonal(static_cast<std::size_t>(n), 0.0);
   std::vector<double> column_of_z(static_cast<std::size_t>(n), 0.0);
   for (Eigen::Index j = n - 1; j >= 0; --j) {
-    // Rows below the diagonal with an entry, ascending.
+    // Rows of column j with an entry below the diagonal, ascending.
     std::vector<std::pair<std::size_t, double>> entries;
     std::vector<std::size_t> positions;
     for (auto k = begin(j); k < begin(j + 1); ++k) {
@@ -27,7 +27,7 @@ std::vector<double> inverse_diagonal(const Eigen::SimplicialLDLT<Eigen::SparseMa
       positions.push_back(static_cast<std::size_t>(k));
     }
     for (const auto& [row, value] : entries) column_of_z[row] = 0.0;
-    // z_ij = -sum_k l_kj z_ik, over the rows k of this column; z is symmetric, so each stored entry serves twice.
+    // z_ij = -sum_k l_kj z_ik, over the rows k of this column; z is symmetric, so each stored entry is used twice.
     for (std::size_t a = 0; a < entries.size(); ++a) {
       const auto [k, l_kj] = entries[a];
       column_of_z[k] -= l_kj * diagonal[k];

@@ -9,8 +9,8 @@
 namespace cyclorama::solve {
 namespace {
 
-constexpr double kScaleSigma = 1e-5;  // Relative: the scale is a gauge, not a measurement.
-constexpr double kMinDepth = 1e-4;    // Minimum depth in front of the projector, relative to its distance from the eye.
+constexpr double kScaleSigma = 1e-5;  // Relative; tight, since the scale is a gauge freedom and not measured.
+constexpr double kMinDepth = 1e-4;    // Minimum depth relative to the point's distance from the eye.
 
 }  // namespace
 

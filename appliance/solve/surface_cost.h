@@ -13,9 +13,9 @@
 
 namespace cyclorama::solve {
 
-/// A projector at the solver's current parameters, for the residuals of many samples. Its parameters: the rotation (3,
-/// an angle axis applied in its own frame after `R_eye_projector`), its position (3) and its lens (8). A value;
-/// reentrant.
+/// A projector at the solver's current parameters, for the residuals of many samples. The parameters are the rotation
+/// (3, an angle axis in the projector's frame, applied after `R_eye_projector`), the position (3) and the lens (8). A
+/// value; reentrant.
 class LitProjector {
  public:
   static constexpr int kNumbers = 6 + calibration::MeasuredLens::kParameters;
@@ -32,7 +32,7 @@ class LitProjector {
 
  private:
   Eigen::Matrix3d R_projector_eye_;          ///< Includes the rotation parameters.
-  std::array<Eigen::Matrix3d, 3> R_slopes_;  ///< Derivatives of that matrix by the rotation parameters.
+  std::array<Eigen::Matrix3d, 3> R_slopes_;  ///< Derivatives of R_projector_eye_ by the rotation parameters.
   Eigen::Vector3d place_;
   std::array<double, calibration::MeasuredLens::kParameters> lens_{};
 };
@@ -42,9 +42,9 @@ class LitProjector {
 class SplinePrior {
  public:
   SplinePrior(const calibration::Surface& shape, double bend_sigma);
-  /// Returns half the sum of squares; nothing if the wall has no inverse depth straight ahead. Adds its terms to
-  /// `ret_gradient` and to the lower triangle of `ret_normal` (both or neither may be null), at the surface's
-  /// parameters.
+  /// Returns half the sum of squares; nothing if the wall has no inverse depth straight ahead. Adds the prior's terms
+  /// to `ret_gradient` and to the lower triangle of `ret_normal` at the surface's parameters; both or neither may be
+  /// null.
   [[nodiscard]] std::optional<double> add(const calibration::Surface& shape, const double* parameters,
                                           Eigen::VectorXd* ret_gradient, Eigen::MatrixXd* ret_normal) const;
 

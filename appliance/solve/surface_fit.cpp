@@ -89,7 +89,7 @@ Result<calibration::SurfaceFit> surface_start(const std::vector<MeasuredProjecto
   Eigen::Vector3d back = Eigen::Vector3d::UnitZ();
   if (sum.norm() > 1e-6 * static_cast<double>(samples.size())) back = -sum.normalized();
   Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(back);
-  // The view is straight up or down, so any vector works.
+  // If the view is straight up or down, any horizontal vector works.
   if (!(right.norm() > 1e-3)) right = Eigen::Vector3d::UnitX();
   right.normalize();
   surface.R_eye_wall << right, back.cross(right), back;

@@ -13,7 +13,7 @@
 
 namespace cyclorama::solve {
 
-/// The candidate lens models that a wall's samples can distinguish for a projector.
+/// Candidate lens models of projectors: those that a wall's samples can distinguish.
 inline constexpr calibration::LensModel kProjectorLensModels[] = {
     calibration::LensModel::kPinhole, calibration::LensModel::kRadial1, calibration::LensModel::kRadial2,
     calibration::LensModel::kDecentred};
@@ -22,7 +22,7 @@ struct SurfaceFitOptions {
   calibration::LensModel lens = calibration::LensModel::kRadial1;
   bool with_covariance = true;
   int max_steps = 40;
-  /// False if the start already fits such samples; gross errors are then ignored from the first step.
+  /// False if the start already fits similar samples; outliers are then ignored from the first step.
   bool is_from_afar = true;
 };
 
@@ -33,7 +33,7 @@ Result<calibration::SurfaceFit> fit_surface(const std::vector<MeasuredProjector>
                                             std::span<const MapSample> samples, const calibration::SurfaceFit& start,
                                             const SurfaceFitOptions& options = {});
 
-/// Returns an initial estimate: the installation's poses and a plane straight ahead of the samples' mean direction.
+/// Returns an initial estimate: the installation's poses, and a plane perpendicular to the samples' mean direction.
 Result<calibration::SurfaceFit> surface_start(const std::vector<MeasuredProjector>& projectors,
                                               std::span<const MapSample> samples, double wall_distance_m);
 

@@ -8,7 +8,7 @@ namespace cyclorama::solve {
 namespace {
 
 constexpr double kLoss_sigmas = 3.0;
-// Per knot; a right-angled corner bends by three sigmas, noise by a hundredth of one.
+// Per knot. A right-angled corner bends by three sigmas, noise by a hundredth of a sigma.
 constexpr double kBendSigma = 0.05;
 constexpr double kMinSigma = 1e-9;
 
@@ -36,7 +36,7 @@ SurfaceProblem::SurfaceProblem(const std::vector<MeasuredProjector>& projectors,
     const Eigen::Index first = first_of(p);
     const Eigen::Index prior = first - first_of(0);
     numbers_.segment<3>(first + 3) = from.T_eye_projector.translation();
-    // Pulls towards the installation's poses, wherever the search begins.
+    // The prior mean is the installation's pose, wherever the search starts.
     const Eigen::AngleAxisd told(
         Eigen::Matrix3d(axes_[p].transpose() * position.T_eye_projector.rotation().toRotationMatrix()));
     prior_means_.segment<3>(prior) = told.angle() * told.axis();
@@ -60,7 +60,7 @@ Eigen::Index SurfaceProblem::first_of(std::size_t projector) const {
 
 std::array<double, LitProjector::kNumbers> SurfaceProblem::numbers_of(const Eigen::VectorXd& at,
                                                                       std::size_t projector) const {
-  std::array<double, LitProjector::kNumbers> numbers{};  // Parameters that the model holds are 0.
+  std::array<double, LitProjector::kNumbers> numbers{};  // Parameters that are not free are 0.
   const Eigen::Index first = first_of(projector);
   for (int i = 0; i < 6; ++i) numbers[static_cast<std::size_t>(i)] = at[first + i];
   for (std::size_t i = 0; i < free_of_lens_.size(); ++i) {
@@ -94,8 +94,8 @@ std::optional<double> SurfaceProblem::add_samples(const Eigen::VectorXd& at, Eig
     for (std::size_t i = 0; i < free_of_lens_.size(); ++i) {
       free.col(static_cast<Eigen::Index>(6 + i)) = slopes.by_numbers.col(6 + free_of_lens_[i]);
     }
-    // The wall's part of the Jacobian has rank one: the derivative by the inverse depth times the inverse depth's
-    // derivatives.
+    // The wall's part of the Jacobian has rank one: it is the derivative by the inverse depth times the derivatives of
+    // the inverse depth.
     const Eigen::Vector2d by_inverse_depth = share.weight * slopes.by_inverse_depth;
     const double curvature = by_inverse_depth.dot(slopes.by_inverse_depth);
     const double slope = by_inverse_depth.dot(error);

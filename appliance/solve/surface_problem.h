@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The least-squares problem of surface_fit.cpp: a wall and all projectors at once. A sample depends on one projector
-/// and the few wall parameters nearby, so its terms are added directly to the normal equations; a Jacobian of all
-/// samples by all parameters would be mostly zeros.
+/// and a few nearby wall parameters, so its terms are added directly to the normal equations: a Jacobian of all samples
+/// would be mostly zero.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,7 @@
 
 namespace cyclorama::solve {
 
-/// Borrows its arguments for its life. Thread-bound.
+/// Borrows its arguments, which must outlive it. Thread-bound.
 class SurfaceProblem final : public DampedProblem {
  public:
   SurfaceProblem(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
@@ -27,11 +27,11 @@ class SurfaceProblem final : public DampedProblem {
   void accept() override { numbers_ = candidate_; }
 
   /// Returns the lower triangle of J'J at the current state, for all free parameters: those of the surface, then each
-  /// projector's rotation, position and free lens parameters. Without priors if `measured_alone`.
+  /// projector's rotation, position and free lens parameters. Priors are omitted if `measured_alone`.
   [[nodiscard]] Eigen::MatrixXd normal(bool measured_alone) const;
-  /// Returns the priors' sigmas in that order.
+  /// Returns the priors' sigmas, in the order of normal().
   [[nodiscard]] std::vector<double> scales() const;
-  /// Indices of the free lens parameters.
+  /// Returns the indices of the free lens parameters.
   [[nodiscard]] const std::vector<int>& free_of_lens() const { return free_of_lens_; }
   [[nodiscard]] const calibration::Surface& surface() const { return surface_; }
   /// Returns the current estimate without covariances.
@@ -52,12 +52,12 @@ class SurfaceProblem final : public DampedProblem {
   const std::vector<MeasuredProjector>& projectors_;
   std::span<const MapSample> samples_;
   const calibration::SurfaceFit& start_;
-  calibration::Surface surface_;  ///< Holds the start's parameters.
+  calibration::Surface surface_;  ///< Its parameters are those of the start.
   std::vector<int> free_of_lens_;
   std::vector<Eigen::Matrix3d> axes_;  ///< R_eye_projector of each projector at the start.
   std::optional<SplinePrior> spline_prior_;
   Eigen::VectorXd prior_means_;   ///< Prior means of the projectors' parameters, from first_of(0) on.
-  Eigen::VectorXd prior_sigmas_;  ///< Their sigmas.
+  Eigen::VectorXd prior_sigmas_;  ///< Sigmas of `prior_means_`.
   RobustLoss loss_ = RobustLoss::kHuber;
   Eigen::VectorXd numbers_;
   Eigen::VectorXd candidate_;

@@ -14,7 +14,7 @@ namespace {
 
 double degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
 
-/// Union-find: directions that are connected have the same number.
+/// Union-find over directions: connected directions have the same group number.
 class Groups {
  public:
   explicit Groups(std::size_t count) : of_(count) { std::iota(of_.begin(), of_.end(), std::size_t{0}); }
@@ -67,7 +67,7 @@ Result<ChosenTracks> choose_tracks(const Measurements& measurements, const CellM
   }
   std::size_t first = count;
   for (std::size_t d = 0; d < count; ++d) {
-    if (seen[d] == 0) continue;  // A direction that sees no projector does no harm.
+    if (seen[d] == 0) continue;  // A direction that sees no projector is allowed.
     if (first == count) first = d;
     if (groups.of(d) == groups.of(first)) continue;
     const double a = degrees(measurements.directions[first].angle_rad);

@@ -20,8 +20,8 @@ struct ChosenTracks {
 
 inline constexpr std::size_t kMinTracks = 12;
 
-/// Chooses tracks that are spread over the overlaps of directions, evenly over the pairs of directions, and sets some
-/// aside as left-out data. Errors: kInvalidArgument, with the remedy, if the directions are not all connected by
+/// Chooses tracks that are spread over the overlaps of directions, equally many for each pair of directions, and leaves
+/// some of them out for testing. Errors: kInvalidArgument, with the remedy, if the directions are not all connected by
 /// overlaps or there is only one. Reentrant.
 Result<ChosenTracks> choose_tracks(const Measurements& measurements, const CellMeans& means, std::size_t max,
                                    std::size_t left_out_every);

@@ -10,7 +10,7 @@ namespace cyclorama::solve {
 namespace {
 
 constexpr std::size_t kHeldOutEvery = 5;     // One track in this many is left out.
-constexpr double kClearOffset_sigmas = 3.0;  // Below this significance the offset is taken to be 0.
+constexpr double kClearOffset_sigmas = 3.0;  // An offset of less significance is taken as 0.
 constexpr double kWorstRms_sigmas = 25.0;    // Larger errors are not noise.
 
 calibration::CalibratedTurntable turntable_of(const TurntableTask& task, const SolvedTurntable& solved,
@@ -93,14 +93,14 @@ Result<calibration::CalibratedTurntable> TurntableSolver::solve(const TurntableH
   TRY_ASSIGN(SolvedTurntable moved, solve_turntable_problem(task(), hints, &plain_.state, Eigen::Vector2d::Zero()));
   if (!options_.start.tail<2>().isZero()) {
     auto other = solve_turntable_problem(task(), hints, &plain_.state, options_.start.tail<2>());
-    constexpr double kBetter = 1.0 - 1e-6;  // A smaller difference is the same minimum, reached less exactly.
+    constexpr double kBetter = 1.0 - 1e-6;  // A smaller difference means the same minimum.
     if (other && other->cost < kBetter * moved.cost) moved = *std::move(other);
   }
   const Eigen::Vector2d offset(moved.state.offset[0], moved.state.offset[1]);
   const Eigen::Vector2d sigma = moved.offset_sigma_m();
   const bool is_clear = (offset.cwiseAbs().array() > kClearOffset_sigmas * sigma.array()).any();
   const bool is_known = sigma.maxCoeff() < 0.5 * options_.offset_sigma_m;
-  // Known directions constrain the offset better than left-out tracks can test it.
+  // With known directions no test is made: they constrain the offset better than left-out tracks can test it.
   const bool predicts = hints.known || moved.left_out.rms_px < plain_.left_out.rms_px;
   const bool with_offset = is_clear && predicts;
   const SolvedTurntable& best = with_offset ? moved : plain_;

@@ -13,7 +13,7 @@
 
 namespace cyclorama::solve {
 
-/// Maps camera pixels to directions from the sweet spot. Borrows the turntable's calibration for its life. Reentrant.
+/// Maps camera pixels to directions from the sweet spot. Borrows the turntable's calibration. Reentrant.
 class WallDirections {
  public:
   explicit WallDirections(const calibration::CalibratedTurntable& turntable);
@@ -26,18 +26,20 @@ class WallDirections {
   std::optional<calibration::BrownLens> lens_;
 };
 
-/// WallDirections::at() for a single pixel; each call searches again for the fold of the distortion.
+/// Returns WallDirections::at() for a single pixel. Slower, since each call searches for the limit of the distortion
+/// again.
 [[nodiscard]] std::optional<Eigen::Vector3d> seen_direction(const calibration::CalibratedTurntable& turntable,
                                                             std::size_t direction, const Eigen::Vector2d& camera_px);
 
-/// Solves once without the camera's offset, and then again as more becomes known. Borrows the arguments of create() for
-/// its life. Reentrant.
+/// Solves the turntable without the camera's offset once, in create(), and again in each solve(), as more becomes
+/// known. Borrows the arguments of create(). Reentrant.
 class TurntableSolver {
  public:
-  /// Errors: those of solve_turntable().
+  /// Chooses the tracks, and solves without an offset. Errors: those of solve_turntable().
   static Result<TurntableSolver> create(const Measurements& measurements, const CellMeans& means,
                                         const TurntableSolverOptions& options);
-  /// Solves with an offset if that is significant and predicts the left-out tracks better, otherwise without.
+  /// Solves with an offset if the offset is significant and improves the prediction of left-out tracks, otherwise
+  /// without.
   [[nodiscard]] Result<calibration::CalibratedTurntable> solve(const TurntableHints& hints = {}) const;
 
  private:
@@ -53,9 +55,9 @@ class TurntableSolver {
   SolvedTurntable plain_;
 };
 
-/// Solves the bundle adjustment of the turntable. Errors: kInvalidArgument if it is underdetermined; the message says
-/// what to add (a direction, an overlap, light); kBadData if the directions contradict one another: the turntable or
-/// the projectors moved, or the angles are wrong. Precondition: measurements.validate(). Reentrant.
+/// Solves the bundle adjustment of the turntable. Errors: kInvalidArgument if it is underdetermined; the message gives
+/// the remedy (a direction, an overlap, light); kBadData if the directions contradict each other, because the turntable
+/// or the projectors moved or the angles are wrong. Precondition: measurements.validate(). Reentrant.
 Result<calibration::CalibratedTurntable> solve_turntable(const Measurements& measurements, const CellMeans& means,
                                                          const TurntableSolverOptions& options = {});
 

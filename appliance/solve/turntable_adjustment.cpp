@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLoss_sigmas = 2.5;
 constexpr double kTurn_rad = 0.05;  // Prior sigma of the rotation of known directions.
-// Prior sigma of the correction to a fitted wall's inverse depth, relative to straight ahead.
+// Prior sigma of the correction to a fitted wall's inverse depth, relative to the inverse depth straight ahead.
 constexpr double kWallTrust = 0.03;
 
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& covariance) {
@@ -162,7 +162,8 @@ std::optional<double> TurntableAdjustment::add_measured(TurntableState* state, b
   using ObservationGradient = Eigen::Matrix<double, kObservationParameters, 1>;
   std::vector<SeenFrom> cameras;
   for (const double angle : state->angles) cameras.emplace_back(state->mount, state->offset, angle);
-  // All observations of a direction share the same parameters, so they are summed before they are distributed.
+  // All observations of a direction have the same shared parameters, so their terms are summed before they are added to
+  // the equations.
   std::vector<ObservationNormal> normals;
   std::vector<ObservationGradient> gradients;
   if (ret != nullptr) {
@@ -206,7 +207,7 @@ std::optional<double> TurntableAdjustment::add_measured(TurntableState* state, b
       gradients[seen.direction] += error[0] * across + error[1] * down;
     }
     if (!track.known || !with_known) continue;
-    // The rotation is small, since a first estimate of it was applied already.
+    // A linear rotation suffices, since a first estimate of the rotation was applied before.
     const Eigen::Vector3d& told = track.known->direction;
     const Eigen::Vector3d turn(state->turn.data());
     const double per_sigma = 1.0 / track.known->sigma_rad;
@@ -228,7 +229,7 @@ std::optional<double> TurntableAdjustment::add_measured(TurntableState* state, b
       const Eigen::Index row = column_of(i, d);
       if (row < 0) continue;
       ret->gradient[row] += gradients[d][i];
-      for (int j = 0; j <= i; ++j) {  // Columns ascend, and an angle's is the last.
+      for (int j = 0; j <= i; ++j) {  // Columns ascend; the angle's column is the last.
         const Eigen::Index column = column_of(j, d);
         if (column >= 0) ret->normal(row, column) += normals[d](i, j);
       }
@@ -255,7 +256,7 @@ std::optional<double> TurntableAdjustment::linearise() {
 
 void TurntableAdjustment::cross_of(const Equations& equations, std::size_t track,
                                    std::vector<Eigen::Index>* ret_columns, Eigen::Matrix2Xd* ret_cross) const {
-  // The shared parameters, the rotation, and then one angle per direction.
+  // The order is: shared parameters, rotation, one angle per direction.
   const TrackData& data = tracks_[track];
   ret_columns->clear();
   for (const Eigen::Index position : columns_) {
@@ -318,7 +319,7 @@ std::optional<DampedProblem::Attempt> TurntableAdjustment::attempt(double dampin
   for (std::size_t i = 0; i < shared_.size(); ++i) {
     *number(&candidate_, shared_[i]) += step[static_cast<Eigen::Index>(i)];
   }
-  // -g'x - x'Nx / 2, which is (x'Dx - g'x) / 2 for (N + D) x = -g.
+  // The predicted decrease is -g'x - x'Nx / 2, which equals (x'Dx - g'x) / 2 if (N + D) x = -g.
   const Eigen::VectorXd damped = damping_of(equations_.normal.diagonal(), damping);
   double predicted = 0.5 * (step.dot(damped.cwiseProduct(step)) - equations_.gradient.dot(step));
   double squares = step.squaredNorm();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The bundle adjustment of the turntable as a least-squares problem. The directions share a few parameters; each track
-/// adds a direction of its own, which is eliminated (Schur complement), so the system to be solved stays small.
+/// The bundle adjustment of the turntable as a least-squares problem. A few parameters are shared; each track adds the
+/// direction of its wall point, which is eliminated (Schur complement), so that the system to be solved stays small.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,10 +13,10 @@
 
 namespace cyclorama::solve {
 
-/// Borrows its arguments for its life, and modifies `state`. Thread-bound.
+/// Borrows its arguments, which must outlive it, and modifies `state`. Thread-bound.
 class TurntableAdjustment final : public DampedProblem {
  public:
-  /// `state` holds one direction for each of `tracks`. The camera's offset and the wall's inverse depth are free only
+  /// `state` has one direction per element of `tracks`. The camera's offset and the wall's inverse depth are free only
   /// if `with_offset`.
   TurntableAdjustment(const TurntableTask& task, const TurntableHints& hints, bool with_offset,
                       const std::vector<const Track*>& tracks, TurntableState* state);
@@ -27,9 +27,9 @@ class TurntableAdjustment final : public DampedProblem {
   void accept() override { std::swap(*state_, candidate_); }
 
   /// Returns the lower triangle of the normal matrix of the shared parameters at the current state, with the tracks
-  /// eliminated. If `measured_alone`, without priors and without the known directions of an earlier calibration.
+  /// eliminated. If `measured_alone`, priors and the known directions of an earlier calibration are omitted.
   [[nodiscard]] Eigen::MatrixXd reduced_normal(bool measured_alone) const;
-  /// Names of the shared parameters, in the order of those matrices.
+  /// Returns the names of the shared parameters, in the order of reduced_normal().
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] std::vector<double> prior_sigmas() const;
 
@@ -51,7 +51,7 @@ class TurntableAdjustment final : public DampedProblem {
   };
   /// The contribution of one track to the equations.
   struct TrackEquations {
-    Eigen::Matrix<double, 3, 2> tangent;  ///< Basis of the tangent plane in which its direction moves.
+    Eigen::Matrix<double, 3, 2> tangent;  ///< Basis of the tangent plane in which the track's direction moves.
     Eigen::Matrix2d own = Eigen::Matrix2d::Zero();
     Eigen::Vector2d own_gradient = Eigen::Vector2d::Zero();
     Eigen::Matrix<double, 2, 3> by_turn = Eigen::Matrix<double, 2, 3>::Zero();
@@ -59,7 +59,7 @@ class TurntableAdjustment final : public DampedProblem {
   using ObservationCross = Eigen::Matrix<double, 2, kObservationParameters>;
   struct Equations {
     std::vector<TrackEquations> tracks;
-    std::vector<ObservationCross> crosses;  ///< Own direction by shared parameters, per observation.
+    std::vector<ObservationCross> crosses;  ///< Per observation: track's direction by shared parameters.
     Eigen::VectorXd gradient;               ///< Derivative by the shared parameters.
     Eigen::MatrixXd normal;                 ///< Lower triangle.
   };
@@ -72,7 +72,7 @@ class TurntableAdjustment final : public DampedProblem {
   [[nodiscard]] double* number(TurntableState* state, const Shared& shared) const;
   [[nodiscard]] double prior_sigma(const Shared& shared) const;
   [[nodiscard]] Eigen::VectorXd shared_numbers(TurntableState* state) const;
-  /// Returns the column of an observation's parameter among the shared parameters; -1: the parameter is held.
+  /// Returns the column of an observation's parameter among the shared parameters; -1 if the parameter is not free.
   [[nodiscard]] Eigen::Index column_of(int parameter_index, std::size_t direction) const;
   /// Returns half the sum of robust squares; fills the equations unless they are null.
   std::optional<double> add_measured(TurntableState* state, bool with_known, Equations* ret) const;

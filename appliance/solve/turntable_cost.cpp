@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMinDepth = 1e-6;  // Minimum depth in front of the camera.
 
-/// d inverse_depth / d direction.
+/// Returns the gradient of the inverse depth with respect to the direction.
 Eigen::Vector3d inverse_depth_slope(const calibration::InverseDepthTerms& t, const Eigen::Vector3d& d) {
   return {t[1] + t[4] * d[1] + t[6] * d[2] + 2.0 * t[7] * d[0], t[2] + t[4] * d[0] + t[5] * d[2] + 6.0 * t[8] * d[1],
           t[3] + t[5] * d[1] + t[6] * d[0] - 2.0 * t[7] * d[2]};
@@ -38,7 +38,7 @@ SeenFrom::SeenFrom(const std::array<double, 2>& mount, const std::array<double, 
   const Jet mounted[] = {Jet(mount[0], 0), Jet(mount[1], 1)};
   const Jet moved[] = {Jet(offset[0], 2), Jet(offset[1], 3)};
   const Jet angle(angle_rad, 4);
-  for (int column = 0; column < 4; ++column) {  // Unit vectors, then the inverse depth alone.
+  for (int column = 0; column < 4; ++column) {  // Unit vectors; the last column is the inverse depth alone.
     const Jet direction[] = {Jet(column == 0 ? 1.0 : 0.0), Jet(column == 1 ? 1.0 : 0.0), Jet(column == 2 ? 1.0 : 0.0)};
     Jet point[3];
     to_camera(mounted, moved, angle, direction, Jet(column == 3 ? 1.0 : 0.0), point);

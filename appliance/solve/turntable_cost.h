@@ -11,7 +11,7 @@
 
 namespace cyclorama::solve {
 
-/// Returns the basis function that each term multiplies.
+/// Returns the basis functions of InverseDepthTerms at a direction.
 [[nodiscard]] Eigen::Matrix<double, calibration::kInverseDepthTerms, 1> inverse_depth_basis(
     const Eigen::Vector3d& direction);
 [[nodiscard]] double inverse_depth_at(const calibration::InverseDepthTerms& terms, const Eigen::Vector3d& direction);
@@ -47,7 +47,7 @@ struct KnownDirection {
 /// One camera pixel at which a direction of the turntable sees a track.
 struct TurntableObservation {
   Eigen::Vector2d camera_px;
-  Eigen::Matrix2d whitening;  ///< From camera pixels to sigmas of the projector's pixel.
+  Eigen::Matrix2d whitening;  ///< Converts errors in camera pixels to sigmas of the projector's pixel.
 
   explicit TurntableObservation(const CellMean& cell);
 };
@@ -62,8 +62,9 @@ enum ObservationParameter : int {
 };
 inline constexpr int kObservationParameters = 22;
 
-/// The camera at the solver's current parameters, for the residuals of many observations. Its projection is linear in a
-/// direction and in the wall's inverse depth there, so sines and cosines are computed once. A value; reentrant.
+/// The camera at the solver's current parameters, for the residuals of many observations. A point in the camera frame
+/// is linear in the direction and in the wall's inverse depth, so sines and cosines are computed once. A value;
+/// reentrant.
 class SeenFrom {
  public:
   struct Slopes {
@@ -73,7 +74,8 @@ class SeenFrom {
 
   SeenFrom(const std::array<double, 2>& mount, const std::array<double, 2>& offset, double angle_rad);
   /// Computes the residuals, in sigmas, of the unit vector `direction` where the wall has the inverse depth
-  /// `wall_inverse_depth` plus that of `terms`; `ret_slopes` may be null. Returns false behind the camera.
+  /// `wall_inverse_depth` plus that of `terms`; `ret_slopes` may be null. Returns false if the point is behind the
+  /// camera.
   bool residuals(const TurntableObservation& observation, const double* lens,
                  const calibration::InverseDepthTerms& terms, double wall_inverse_depth,
                  const Eigen::Vector3d& direction, Eigen::Vector2d* ret_residuals, Slopes* ret_slopes) const;

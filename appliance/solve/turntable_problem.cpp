@@ -14,8 +14,7 @@ namespace {
 constexpr double kMinInverseDepth_per_m = 1e-6;
 constexpr DampedOptions kSteps{100, 1e-11, 1e-12};
 
-/// Returns the mean of the directions that the track's observations give; nothing if a pixel is outside the lens's
-/// domain.
+/// Returns the mean of the directions of a track's observations; nothing if a pixel is outside the lens's domain.
 std::optional<Eigen::Vector3d> mean_direction(const TurntableState& state, const calibration::BrownLens& lens,
                                               const CellMeans& means, const Track& track) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -30,7 +29,7 @@ std::optional<Eigen::Vector3d> mean_direction(const TurntableState& state, const
   return sum.normalized();
 }
 
-/// Returns the error in projector pixels; nothing behind the camera.
+/// Returns the error in projector pixels; nothing if the point is behind the camera.
 std::optional<Eigen::Vector2d> error_px(const TurntableState& state, const CellMean& cell, const Eigen::Vector3d& d) {
   Eigen::Vector3d point;
   to_camera(state.mount.data(), state.offset.data(), state.angles[static_cast<std::size_t>(cell.direction)], d.data(),
@@ -41,8 +40,8 @@ std::optional<Eigen::Vector2d> error_px(const TurntableState& state, const CellM
   return cell.camera_per_projector.inverse() * (pixel - cell.camera_px);
 }
 
-/// Returns the residual of tracks whose direction is the mean of their n observations, so 2n - 2 degrees of freedom
-/// remain. The worst twentieth is left out, since gross errors are counted by the decoder.
+/// Returns the residual of tracks, without the worst twentieth. The direction of a track is the mean of its n
+/// observations, so 2n - 2 degrees of freedom remain.
 TrackError residual_of(const TurntableState& state, const calibration::BrownLens& lens, const CellMeans& means,
                        const std::vector<Track>& tracks) {
   std::vector<std::pair<double, double>> squares;
@@ -96,8 +95,8 @@ Eigen::Vector3d wall_direction_along(const CameraPose& pose, const InverseDepthF
   if (centre.isZero()) return seen;
   Eigen::Vector3d d = seen;
   for (int round = 0; round < 4; ++round) {
-    // The wall point is d / inverse_depth = centre + s seen for some s; s follows from its distance, which depends on
-    // d.
+    // The wall point is d / inverse_depth = centre + s * seen. The length s follows from the point's distance 1 / near,
+    // which depends on d.
     const double near = inverse_depth.at(d);
     const double along = centre.dot(seen);
     const double s = -along + std::sqrt(std::max(0.0, along * along + 1.0 / (near * near) - centre.squaredNorm()));
@@ -149,7 +148,7 @@ Result<SolvedTurntable> solve_turntable_problem(const TurntableTask& task, const
   state.lens = task.measurements.camera.values;
   state.mount = {task.measurements.pitch_rad + task.options.start[0], task.options.start[1]};
   for (const TurntableDirection& direction : task.measurements.directions) state.angles.push_back(direction.angle_rad);
-  if (with_offset) {  // Starts from the solution without an offset, near which two small unknowns have little effect.
+  if (with_offset) {  // Starts from the solution without an offset, which two small further unknowns change little.
     state.lens = from->lens;
     state.mount = from->mount;
     state.angles = from->angles;

@@ -21,23 +21,22 @@ struct TurntableSolverOptions {
   double offset_sigma_m = 0.03;  ///< Prior standard deviation of the camera's offset from the axis.
   double mount_sigma_rad = 0.1;
   std::size_t max_tracks = 1500;
-  /// Added to the initial pitch, roll, right and forward. Restarts from different values must agree.
+  /// Added to the initial pitch, roll, right and forward, so that tests can start from different values.
   Eigen::Vector4d start = Eigen::Vector4d::Zero();
 };
 
-/// Further information for solving the turntable again.
+/// Additional information for a further solution of the turntable.
 struct TurntableHints {
-  /// Direction of a projector's pixel in an earlier calibration, whose rotation relative to this one is estimated;
-  /// nothing if it has none.
+  /// Returns the direction of a projector's pixel in an earlier calibration; nothing if there is none. The rotation
+  /// between the two calibrations is estimated.
   std::function<std::optional<KnownDirection>(std::size_t projector, const Eigen::Vector2d& pixel)> known{};
-  const calibration::Surface* wall =
-      nullptr;  ///< Fitted to an earlier solution: describes the inverse depth better. Borrowed for the call.
+  const calibration::Surface* wall = nullptr;  ///< Wall fitted to an earlier solution; may be null. Borrowed.
 };
 
 /// Inverse distance of the wall in 1/m, with a small positive lower bound.
 struct InverseDepthField {
   calibration::InverseDepthTerms terms{};
-  const calibration::Surface* wall = nullptr;  ///< The terms are added to its inverse depth. Borrowed.
+  const calibration::Surface* wall = nullptr;  ///< May be null; `terms` is added to its inverse depth. Borrowed.
   [[nodiscard]] double wall_at(const Eigen::Vector3d& direction) const;
   [[nodiscard]] double at(const Eigen::Vector3d& direction) const;
 };
@@ -53,14 +52,14 @@ struct CameraPose {
 [[nodiscard]] Eigen::Vector3d wall_direction_along(const CameraPose& pose, const InverseDepthField& inverse_depth,
                                                    const Eigen::Vector3d& ray);
 
-/// The parameters of the bundle adjustment. Solvers keep pointers into it.
+/// Parameters of the bundle adjustment.
 struct TurntableState {
   std::array<double, calibration::MeasuredLens::kParameters> lens{};
   std::array<double, 2> mount{};
   std::array<double, 2> offset{};
   std::vector<double> angles;
   InverseDepthField inverse_depth{};
-  std::array<double, 3> turn{};                   ///< Rotation of the earlier calibration relative to this one.
+  std::array<double, 3> turn{};                   ///< Rotation from an earlier calibration to this one.
   std::vector<std::array<double, 3>> directions;  ///< One per track.
 
   [[nodiscard]] CameraPose camera(std::size_t direction) const { return {mount, offset, angles[direction]}; }
@@ -82,12 +81,12 @@ struct SolvedTurntable {
   TrackError left_out;
 
   /// Standard deviation of the offset, right and forward, in metres at the mean inverse depth of the tracks. Only the
-  /// product of offset and inverse depth is observable: their common scale, which a prior alone holds, is excluded.
+  /// product of offset and inverse depth is observable, so the uncertainty of their common scale is excluded.
   /// Precondition: solved with an offset.
   [[nodiscard]] Eigen::Vector2d offset_sigma_m() const;
 };
 
-/// Inputs that all solutions share. Borrows its members for its life.
+/// Inputs that all solutions share. Borrows its members.
 struct TurntableTask {
   const Measurements& measurements;
   const CellMeans& means;
@@ -96,9 +95,9 @@ struct TurntableTask {
   std::size_t reference = 0;  ///< The direction that keeps its reported angle.
 };
 
-/// Solves the bundle adjustment. `from` is the initial state, a solution without an offset; null: starts from the
-/// reported values and solves without an offset. Errors: kInvalidArgument if the lens has no directions for the tracks;
-/// kBadData if no start converges. Reentrant.
+/// Solves the bundle adjustment. `from` is the initial state, a solution without an offset; if null, the solution
+/// starts at the reported values and has no offset. Errors: kInvalidArgument if the lens has no directions for the
+/// tracks; kBadData if no start converges. Reentrant.
 Result<SolvedTurntable> solve_turntable_problem(const TurntableTask& task, const TurntableHints& hints, const TurntableState* from,
                                     const Eigen::Vector2d& offset_m);
 

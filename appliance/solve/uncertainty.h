@@ -15,15 +15,15 @@ struct Uncertainty {
 
 /// Computes the uncertainty of a least-squares problem at its solution. `blocks` lists first the blocks whose `shared`
 /// tangent parameters are reported, then blocks of `small` tangent parameters each, which are eliminated (Schur
-/// complement); no residual depends on two of the latter. `scale` holds the priors' sigmas: a parameter counts for the
-/// rank if the measurements alone determine it better than its sigma. Ceres' Covariance is not used, since it takes
-/// minutes with thousands of small blocks and few shared ones.
+/// complement); no residual may depend on two small blocks. `scale` holds the priors' sigmas: a parameter counts for
+/// the rank if the measurements alone determine it better than its sigma. Ceres' Covariance would take minutes for
+/// thousands of small blocks.
 [[nodiscard]] Uncertainty uncertainty_of(ceres::Problem* problem, const std::vector<double*>& blocks, int shared,
                                          int small, const std::vector<double>& scale,
                                          const std::vector<ceres::ResidualBlockId>& measured);
 
-/// The same for normal matrices (lower triangles, unscaled) without small blocks: `all` from all residuals, `measured`
-/// from the measurements.
+/// Computes the uncertainty from normal matrices (lower triangles, unscaled) without small blocks: `all` is from all
+/// residuals, `measured` from the measurements alone.
 [[nodiscard]] Uncertainty uncertainty_of(const Eigen::MatrixXd& all, const Eigen::MatrixXd& measured,
                                          const std::vector<double>& scale);
 

@@ -8,7 +8,7 @@
 namespace cyclorama::structured_light {
 namespace {
 
-/// Bit b of `lit` and `open`: the value that the picture of bit b showed, and whether it is undecided.
+/// Bit b of `lit` is the value that the picture of bit b showed, bit b of `open` whether that value is undecided.
 struct Signs {
   unsigned lit = 0;
   unsigned open = 0;
@@ -34,7 +34,7 @@ StripeReading read_bits(const AxisBits& axis, const Image<float, 1>& amplitude, 
   const auto by_contrast = static_cast<float>(threshold.contrast);
   const unsigned all = ((1U << axis.bits) - 1U) & ~((1U << axis.finest_bit) - 1U);
   for (std::size_t i = 0; i < amplitude.data().size(); ++i) {
-    // At least one unit, since a zero difference decides nothing.
+    // At least one unit, since a difference of 0 decides nothing.
     const float min = std::max(1.0f, kDifferenceScale * std::max(by_noise, by_contrast * amplitude.data()[i]));
     Signs signs = signs_at(axis, i, min);
     if (axis.base_bit >= 0) {

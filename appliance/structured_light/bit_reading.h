@@ -11,24 +11,24 @@
 
 namespace cyclorama::structured_light {
 
-/// Pattern minus inverse, in units of 1 / kDifferenceScale of full scale: half the memory of float and finer than any
-/// camera.
+/// Pattern minus inverse, in units of full scale / kDifferenceScale: takes half the memory of float, and is finer than
+/// any camera.
 using Difference = Image<std::int16_t, 1>;
 inline constexpr float kDifferenceScale = 32767.0f;
 
-/// The photographed bits of one axis of a view.
+/// Photographed bits of one axis of a view.
 struct AxisBits {
   int finest_bit = 0;
   int bits = 0;  ///< Bits finest_bit to bits - 1 were shown.
   int base_bit = -1;
-  int extent_px = 0;                    ///< The projector's columns or rows.
+  int extent_px = 0;                    ///< Number of the projector's columns or rows.
   std::vector<Difference> differences;  ///< Indexed by bit, from 0; empty for bits below finest_bit.
 };
 
-/// The stripe read at every camera pixel.
+/// Stripe that was read at every camera pixel.
 struct StripeReading {
   Image<std::uint16_t, 1> position;   ///< The stripe in projector pixels; its bits below finest_bit are 0.
-  Image<std::uint16_t, 1> undecided;  ///< Bits of the Gray code that are undecided.
+  Image<std::uint16_t, 1> undecided;  ///< Undecided bits of the Gray code.
 };
 
 /// Minimum difference that decides a bit: `sigmas` times its standard deviation, and `contrast` times the pixel's
@@ -38,13 +38,15 @@ struct BitThreshold {
   double contrast = 0.0;
 };
 
-/// `amplitude` and `noise` as in Decoded. Precondition: the differences are complete. Reentrant.
+/// Reads the stripe at every camera pixel. For `amplitude` and `noise` see Decoded. Precondition: the differences are
+/// complete. Reentrant.
 [[nodiscard]] StripeReading read_bits(const AxisBits& axis, const Image<float, 1>& amplitude, double noise,
                                       const BitThreshold& threshold);
 
-/// Returns true if all readings that the undecided bits allow lie in the same cell of 2^level pixels or an adjacent
-/// one. Gray code guarantees this at the edge of a stripe: one bit is undecided there, and both its readings are true.
-/// If all finer bits are decided, they must agree that there is an edge: the readings are at most a cell apart.
+/// Returns true if all positions that the undecided bits allow are in the same cell of 2^level pixels or an adjacent
+/// one. Gray code guarantees this at the edge of a stripe, where one bit is undecided and both of its values give a
+/// right position. If all finer bits are decided, they must confirm the edge: the two positions are at most a cell
+/// apart.
 [[nodiscard]] inline bool is_settled(std::uint16_t position, std::uint16_t undecided, int level) {
   const auto whole = static_cast<unsigned>(position);
   const int cell = static_cast<int>(whole >> level);

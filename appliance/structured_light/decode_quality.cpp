@@ -19,13 +19,14 @@ struct Sample {
   double y = 0.0;
 };
 
-/// x = c[0] + c[1] u + c[2] v.
+/// Plane x = c[0] + c[1] u + c[2] v.
 struct Plane {
   std::array<double, 3> c = {};
   [[nodiscard]] double at(const Sample& s) const { return c[0] + c[1] * s.u + c[2] * s.v; }
 };
 
-/// Least squares over the marked samples; u and v are small and centred, so the normal equations are well conditioned.
+/// Returns the least-squares plane of the marked samples. The normal equations are well conditioned, since u and v are
+/// small and centred.
 Plane plane_through(const std::vector<Sample>& samples, const std::vector<char>& is_used, double Sample::*value) {
   double n = 0, su = 0, sv = 0, suu = 0, suv = 0, svv = 0, sx = 0, sux = 0, svx = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -61,7 +62,7 @@ double median_of(std::vector<double> values) {
 }
 
 /// Returns the distances of the samples from robustly fitted planes. The first fit uses the samples near the medians,
-/// later ones those near the previous planes.
+/// later fits those near the previous planes.
 std::vector<double> distances_in(const std::vector<Sample>& samples) {
   std::vector<double> xs, ys;
   for (const Sample& s : samples) {
@@ -72,7 +73,7 @@ std::vector<double> distances_in(const std::vector<Sample>& samples) {
   const double y = median_of(ys);
   std::vector<char> is_used(samples.size(), 0);
   std::vector<double> distances(samples.size(), 0.0);
-  // The slope within a tile spreads its positions, so only samples far beyond that are left out at first.
+  // The slope within a tile spreads its positions, so only samples far beyond this spread are left out at first.
   for (std::size_t i = 0; i < samples.size(); ++i) distances[i] = std::hypot(samples[i].x - x, samples[i].y - y);
   double max = std::max(kGrossPx, 3.0 * median_of(distances));
   for (int round = 0; round < 4; ++round) {

@@ -10,8 +10,8 @@
 namespace cyclorama::structured_light {
 namespace {
 
-/// Direct and global light are separated by stripes that are narrow compared with the blur of indirect light, and wide
-/// compared with the blur of lens and focus: those of 16 to 64 pixels, if the projector is large enough.
+/// Bits whose stripes separate direct and global light: stripes of 16 to 64 pixels, if the projector is large enough.
+/// These are narrow compared with the blur of indirect light, and wide compared with the blur of the lens.
 constexpr int kSeparatingBit = 3;
 constexpr int kSeparatingBits = 3;
 int separating_bit(const AxisBits& axis) {
@@ -131,7 +131,7 @@ void Decoder::add_pair(const PatternPicture& picture, const Photo& pattern, cons
   difference = Difference(width_px_, height_px_);
   const auto count = static_cast<float>(++pairs_);
   const int finest = separating_bit(axis);
-  // XORed stripes are all as narrow as those of the base.
+  // All XORed stripes are as narrow as those of the base.
   const bool separates = set_.base_bit >= 0 ? picture.bit >= set_.base_bit
                                             : picture.bit >= finest && picture.bit < finest + kSeparatingBits;
   for (std::size_t i = 0; i < difference.data().size(); ++i) {
@@ -150,8 +150,8 @@ void Decoder::add_pair(const PatternPicture& picture, const Photo& pattern, cons
 }
 
 double Decoder::measured_noise(const Image<float, 1>& amplitude) const {
-  // Pattern plus inverse should be constant, so its variance gives the noise. Only pixels that the projector lights are
-  // used: the others are not decoded.
+  // The sum of pattern and inverse should be constant, so the variance of the sum gives the noise. Only pixels that the
+  // projector lights are used, since others are not decoded.
   std::vector<float> variances;
   const std::size_t count = amplitude.data().size();
   const std::size_t every = std::max<std::size_t>(1, count / 50000);

@@ -10,7 +10,7 @@ namespace cyclorama::structured_light {
 namespace {
 
 constexpr int kLevels = 4;
-/// Maximum gap of undecided pixels across an edge: with XOR codes no pixel has a reading where a base bit is open.
+/// Maximum gap of undecided pixels across an edge: with XOR codes, pixels whose base bit is undecided have no stripe.
 constexpr std::size_t kMaxBridge = 4;
 /// Edges farther apart than this many camera pixels do not determine positions between them.
 constexpr double kFurthestEdges = 96.0;
@@ -21,13 +21,13 @@ constexpr double kModelSigma = 0.02;
 constexpr double kCrossingSigma = 0.05;
 
 struct Crossing {
-  double at = 0.0;     ///< In camera pixels along the line; the centre of its first pixel is 0.
+  double at = 0.0;     ///< In camera pixels along the line; 0 is the centre of the first pixel.
   double sigma = 0.0;  ///< Standard deviation of `at`.
   int boundary = 0;    ///< The edge between the cells boundary - 1 and boundary.
-  bool begins = true;  ///< Nothing is known between the previous crossing and this one.
+  bool begins = true;  ///< True if nothing is known between the previous crossing and this one.
 };
 
-/// A row or a column of the photograph.
+/// Follows the edges along a row or a column of the photograph.
 class Line {
  public:
   Line(const AxisBits& axis, const StripeReading& reading, const Image<float, 1>& amplitude,
@@ -82,7 +82,7 @@ class Line {
 
  private:
   [[nodiscard]] std::size_t pixel(std::size_t i) const { return start_ + i * stride_; }
-  /// Returns pattern minus inverse relative to the pixel's own light, so that the wall's colour does not shift an edge.
+  /// Returns pattern minus inverse relative to the pixel's amplitude, so that the wall's colour does not shift an edge.
   [[nodiscard]] double profile(int bit, std::size_t i) const {
     const std::size_t p = pixel(i);
     const auto difference = static_cast<double>(axis_.differences[static_cast<std::size_t>(bit)].data()[p]);
@@ -95,7 +95,7 @@ class Line {
     const int from = reading_.position.data()[pixel(a)] >> level_;
     const int to = reading_.position.data()[pixel(b)] >> level_;
     if (from == to) return;
-    // Three edges would be two of one bit, whose order is ambiguous.
+    // With three edges, two would be of the same bit and their order ambiguous.
     if (std::abs(to - from) > 2) {
       begins_ = true;
       return;

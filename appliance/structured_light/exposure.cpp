@@ -15,7 +15,7 @@ constexpr double kBrightLow = 0.6;
 constexpr double kDimLow = 0.3;
 constexpr double kBrightHigh = 0.9;
 constexpr double kMaxSaturated = 0.005;
-/// Divisor of the darkest saturated exposure if no sample shows how much too bright it is.
+/// Divisor for the shortest exposure that was too bright, while there is no better sample.
 constexpr double kStepDown = 4.0;
 constexpr double kStepUp = 8.0;
 
@@ -79,7 +79,7 @@ Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples, co
     return ExposureAdvice{newest.exposure, true};
 
   // Light is proportional to exposure, so any sample that is neither black nor saturated gives the right exposure; the
-  // brightest is the most accurate.
+  // brightest one is the most accurate.
   std::optional<ExposureTime> min_too_bright;
   const ExposureSample* best = nullptr;
   for (const ExposureSample& sample : samples) {
@@ -105,7 +105,8 @@ Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples, co
     return std::abs(sample.exposure / next - 1.0) < 1e-6;
   });
   if (!was_tried) return ExposureAdvice{next, false};
-  // With the limits and whole periods no better exposure exists; the longest one that is not too bright is used.
+  // Within the limits and whole periods there is no better exposure, so the sample at `next` is used if it is
+  // acceptable.
   for (const ExposureSample& sample : samples) {
     if (std::abs(sample.exposure / next - 1.0) >= 1e-6) continue;
     if (is_too_bright(sample)) {

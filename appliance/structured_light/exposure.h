@@ -15,11 +15,11 @@ using ExposureTime = std::chrono::duration<double>;
 struct ExposureLimits {
   ExposureTime shortest{1e-4};
   ExposureTime longest{0.25};
-  /// Longer exposures are used only if the picture would otherwise be too dim, since a scan has hundreds of
+  /// Longer exposures are used only if the picture would otherwise be too dim, since a scan takes hundreds of
   /// photographs.
   ExposureTime preferred_max{0.1};
-  /// A projector with sequential colours is seen correctly only over whole refreshes, so exposures are multiples of
-  /// this if possible. 0: no such requirement.
+  /// A projector that shows colours in sequence is seen correctly only over whole refreshes, so exposures are multiples
+  /// of this period if possible. 0 means any exposure.
   ExposureTime projector_period{1.0 / 60.0};
 };
 
@@ -27,29 +27,28 @@ struct ExposureLimits {
 struct ExposureSample {
   ExposureTime exposure{0.0};
   double saturated = 0.0;  ///< Saturated fraction of the pixels that the projector lights.
-  double bright = 0.0;     ///< 99.5th percentile of those pixels, as Photo.
+  double bright = 0.0;     ///< 99.5th percentile over these pixels, in units of Photo.
   double lit = 0.0;        ///< Fraction of all pixels that the projector lights.
 };
 
-/// `white` and `black` must have the same exposure. A pixel is lit if it gains at least 0.02 or is saturated.
-/// Reentrant.
+/// Computes the statistics. Precondition: `white` and `black` have the same exposure. A pixel counts as lit if white
+/// exceeds black by at least 0.02 or is saturated. Reentrant.
 [[nodiscard]] ExposureSample exposure_sample(ExposureTime exposure, const Photo& white, const Photo& black);
 
 struct ExposureAdvice {
   ExposureTime exposure{0.0};
-  bool is_good = false;  ///< The newest sample has this exposure already, and may be used.
+  bool is_good = false;  ///< True if the newest sample has this exposure, and may be used.
 };
 
-/// Target of the 99.5th percentile of the lit pixels; 0.6 to 0.9 is accepted. From ExposureLimits::preferred_max
-/// on, 0.3 is accepted and kDimAim is the target.
+/// Target of ExposureSample::bright; 0.6 to 0.9 is accepted. From ExposureLimits::preferred_max on, the target is
+/// kDimAim, and 0.3 is accepted.
 inline constexpr double kBrightAim = 0.8;
 inline constexpr double kDimAim = 0.35;
 
-/// Returns the exposure to try next, given all samples so far; two or three samples lead to a good one. A pure
-/// function.
+/// Returns the exposure to try next, given all samples so far; two or three samples usually suffice. A pure function.
 ///
 /// Errors: kInvalidArgument for invalid limits or if no sample has an exposure; kBadData if no exposure within the
-/// limits is suitable, with the advice to open or to close the iris.
+/// limits is suitable, with the remedy to open or to close the iris.
 [[nodiscard]] Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples,
                                                    const ExposureLimits& limits);
 

@@ -32,13 +32,13 @@ class Union {
 
 bool is_decoded(const Decoded& decoded, std::size_t i) { return decoded.fate.data()[i] == PixelFate::kDecoded; }
 
-/// Returns the larger of two pixels' distances along the projector's axes.
+/// Returns the distance between two pixels' positions: the maximum over the projector's two axes.
 float distance(const Decoded& decoded, std::size_t a, std::size_t b) {
   const auto positions = decoded.position_px.data();
   return std::max(std::abs(positions[2 * a] - positions[2 * b]), std::abs(positions[2 * a + 1] - positions[2 * b + 1]));
 }
 
-/// Returns the median difference between neighbours, from some ten thousand of them.
+/// Returns the median distance between neighbours, from some ten thousand pixels.
 float usual_step(const Decoded& decoded, std::size_t stride) {
   const std::size_t count = decoded.fate.data().size();
   const std::size_t every = std::max<std::size_t>(1, count / 20000);

@@ -10,7 +10,7 @@ namespace cyclorama::structured_light {
 /// pixel is on the projector.
 [[nodiscard]] double level_at(const PatternSet& set, const PatternPicture& picture, int x, int y);
 
-/// Draws the picture as code values of 8 bits; channels that its light excludes are dark. Reentrant.
+/// Draws a picture in 8-bit code values; channels that PatternPicture::light excludes are dark. Reentrant.
 [[nodiscard]] RgbImage drawn(const PatternSet& set, const PatternPicture& picture);
 
 }  // namespace cyclorama::structured_light

@@ -47,7 +47,7 @@ int place_of(const std::array<const char*, N>& names, const std::string& name) {
   return -1;
 }
 
-/// Parses a picture's line: kind axis bit pattern|inverse step level light
+/// Parses a picture's line: "kind axis bit pattern|inverse step level light".
 Result<PatternPicture> read_picture(std::istringstream* words) {
   std::string kind, axis, bit, inverse, step, level, light, more;
   *words >> kind >> axis >> bit >> inverse >> step >> level >> light;
@@ -71,7 +71,7 @@ Result<PatternPicture> read_picture(std::istringstream* words) {
                         .light = static_cast<PatternLight>(light_place)};
 }
 
-/// Parses the first line: patterns 1 WIDTHxHEIGHT base BIT phase PERIOD STEPS
+/// Parses the first line: "patterns 1 WIDTHxHEIGHT base BIT phase PERIOD STEPS".
 Result<PatternSet> read_head(const std::string& line) {
   std::istringstream words(line);
   std::string magic, version, width, height, base_word, base, phase_word, period, steps, more;
@@ -118,7 +118,7 @@ Result<PatternSet> structured_light(const PatternChoice& choice) {
   const int stripe = 2 << choice.finest_bit;
   if (has_phases && (choice.phase_steps < 3 || choice.phase_steps > 256 || !(choice.phase_period_px >= 2.0 * stripe) ||
                      !(choice.phase_period_px <= kMaxPx))) {
-    // The bits must distinguish periods, and their own reading is uncertain by a stripe.
+    // The bits must distinguish periods, and their position is uncertain by a stripe.
     return bad("phases need 3 to 256 steps, and a period of " + std::to_string(2 * stripe) + " to 16384 pixels");
   }
   PatternSet set;

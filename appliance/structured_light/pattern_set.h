@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The pictures that a projector shows so that a camera can find the projector pixel that lights each of its pixels.
+/// Pictures for a projector, by which a camera's pixels are matched to the projector's pixels.
 ///
-///   white  black │ bit 9  its inverse  bit 8  its inverse …  bit 0  its inverse │ phase 0 … N-1 │ the rows likewise
+///   white  black │ bit 9  its inverse  bit 8  its inverse …  bit 0  its inverse │ phase 0 … N-1 │ then rows
 ///   ▓▓▓▓   ░░░░  │ ▓▓░░   ░░▓▓         ▓░░▓   ░▓▓░           the finest stripes: 2 pixels wide
 ///
 /// Stripes that encode columns are vertical. Columns count from 0 at the left, rows from 0 at the top; in a
@@ -47,7 +47,7 @@ struct PatternPicture {
 struct PatternSet {
   int width_px = 0;
   int height_px = 0;
-  int base_bit = -1;  ///< XOR with this bit's stripes; -1: plain Gray code.
+  int base_bit = -1;  ///< Bit whose stripes are XORed onto coarser bits; -1 for plain Gray code.
   double phase_period_px = 0.0;
   int phase_steps = 0;
   std::vector<PatternPicture> pictures;
@@ -61,26 +61,26 @@ struct PatternSet {
 struct PatternChoice {
   int width_px = 1920;
   int height_px = 1080;
-  int finest_bit = 0;            ///< Finer bits are not shown: the stripes of bit b are 2^(b+1) pixels wide.
+  int finest_bit = 0;            ///< Finest bit that is shown; the stripes of bit b are 2^(b+1) pixels wide.
   int base_bit = -1;             ///< See PatternSet.
-  double phase_period_px = 0.0;  ///< 0: no phases. Otherwise at least 4 and at least twice the finest stripe.
-  int phase_steps = 0;           ///< 3 or more with a period; N steps cancel the response's harmonics up to N - 2.
+  double phase_period_px = 0.0;  ///< 0 for no phases; else at least 4 and at least twice the finest stripe.
+  int phase_steps = 0;           ///< 3 or more with a period. N steps cancel harmonics of the response up to N - 2.
 };
 
-/// White and black come first, since exposure is judged by them; then columns, then rows. Errors: kInvalidArgument with
-/// the field and its valid range.
+/// Returns the set of pictures. White and black come first, since they determine the exposure; then columns, then rows.
+/// Errors: kInvalidArgument with the field and its valid range.
 Result<PatternSet> structured_light(const PatternChoice& choice);
 
-/// Returns levels 0 to 1 in `steps` equal steps of code value for each light, to measure a response curve. Errors:
-/// kInvalidArgument if a size is not 1 to 16384 or `steps` is not 2 to 256.
+/// Returns pictures for measuring response curves: for each light, `steps` levels of equally spaced code values from 0
+/// to 1. Errors: kInvalidArgument if a size is not 1 to 16384 or `steps` is not 2 to 256.
 Result<PatternSet> ramps(int width_px, int height_px, int steps, const std::vector<PatternLight>& lights);
 
 /// Returns, for example, "column bit 3, inverse"; for progress and errors.
 [[nodiscard]] std::string name_of(const PatternPicture& picture);
 
-/// Returns the text that read_pattern_set() parses; stored beside the photographs as a record of their pictures.
+/// Returns the text that read_pattern_set() parses; it is stored beside the photographs of these pictures.
 [[nodiscard]] std::string to_text(const PatternSet& set);
-/// Errors: kBadData with the line and what was expected there.
+/// Parses the result of to_text(). Errors: kBadData with the line and what was expected there.
 Result<PatternSet> read_pattern_set(const std::string& text);
 
 }  // namespace cyclorama::structured_light

@@ -8,8 +8,7 @@ namespace cyclorama::structured_light {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-/// Residual error, as a fraction of the period, from the responses of projector and camera after N steps; lower bound
-/// of the sigma.
+/// Lower bound of the sigma, as a fraction of the period: the error that the responses of projector and camera cause.
 constexpr double kModelShare = 1e-3;
 
 }  // namespace

@@ -8,7 +8,8 @@
 
 namespace cyclorama::structured_light {
 
-/// The shifted sines of one axis, accumulated one by one: the position within a period, whatever the wall's colour.
+/// Accumulates the shifted sines of one axis, which give the position within a period independently of the wall's
+/// colour.
 class PhaseReading {
  public:
   PhaseReading() = default;
@@ -16,8 +17,8 @@ class PhaseReading {
 
   void add(int step, const Photo& photo);
   [[nodiscard]] bool is_complete() const { return steps_ > 0 && seen_ == steps_; }
-  /// Replaces a position from the bits by that from the phase if the former is uncertain by less than a quarter of a
-  /// period and both agree. A pixel whose phase and bits disagree by more loses its position.
+  /// Replaces positions from the bits by positions from the phase where these are more accurate. A pixel whose two
+  /// positions differ by more than a quarter of a period loses its position.
   void refine(double noise, AxisPositions* positions) const;
 
  private:

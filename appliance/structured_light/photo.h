@@ -5,8 +5,8 @@
 
 namespace cyclorama::structured_light {
 
-/// One photograph as light: linear, 0 to 1, where 1 is the camera's highest code. A camera's response curve must be
-/// removed first; for the signs of bits and for edges it does not matter.
+/// One photograph in linear light, 0 to 1, where 1 is the light of the camera's highest code. The camera's response
+/// curve should be removed before, but it affects neither the signs of bits nor edges.
 using Photo = Image<float, 1>;
 
 /// Converts 8-bit codes without linearising them.

@@ -9,17 +9,17 @@
 namespace cyclorama::healing {
 namespace {
 
-// Minimum number of compared patches by which a projector can count as lost in a camera.
+// Minimum number of compared patches for a projector to count as lost in a camera's picture.
 constexpr int kMinComparedPatches = 10;
-constexpr double kLostBelow = 0.35;   // Share of them that fits; below it, the projector is lost.
-constexpr double kFoundAbove = 0.45;  // Share that must fit when it is found again.
+constexpr double kLostBelow = 0.35;   // A projector is lost if a smaller share of its patches fits.
+constexpr double kFoundAbove = 0.45;  // Minimum share of fitting patches at an accepted pose.
 constexpr int kMinFits = 10;
 constexpr std::size_t kMinEdges = 8;
-constexpr double kNoisiest = 6.0;   // Maximum noise of the residuals, in expected deviations.
-constexpr double kSurest_px = 1.0;  // Maximum deviation of a new pose.
+constexpr double kNoisiest = 6.0;   // Maximum noise of the residuals, relative to the expected noise.
+constexpr double kSurest_px = 1.0;  // Maximum standard deviation of a new pose.
 constexpr double kCoarseSigma_px = 3.0;
 constexpr double kFeatureSigma_px = 4.0;
-constexpr int kFeatureSearchEvery = 4;  // Features are searched at each of the first attempts, then at every fourth.
+constexpr int kFeatureSearchEvery = 4;  // Features are matched in the first four attempts, then in every fourth.
 constexpr double kCaution = 4.0;        // Factor on the solver's variance of a new pose, since patches share errors.
 
 std::vector<calibration::PoseStep> no_starts(std::size_t bodies) {
@@ -155,7 +155,7 @@ std::optional<MovedBodies> ContinuousCalibrator::State::by_features() const {
   for (const CameraObservation& look : looks) {
     if (const auto step = find_camera(believed, look.camera, observations)) starts[projectors() + look.camera] = *step;
   }
-  // The outline is only searched nearby, so it would count against a camera that moved far.
+  // The outline is searched only near its expected position, so it would count against a camera that moved far.
   auto movers = find_moved_bodies(believed, observations, {}, priors(), starts);
   if (!movers || movers->bodies.empty()) return std::nullopt;
   return *std::move(movers);
@@ -222,7 +222,7 @@ bool ContinuousCalibrator::State::have_reference(std::span<const BodyIndex> move
                                                  std::span<const CameraObservation> of) const {
   if (is_calm) return true;
   return std::ranges::all_of(movers, [&](BodyIndex mover) {
-    // A camera that turned and one whose clock is wrong look alike while the picture turns.
+    // While the content moves, a turned camera and a camera with a wrong clock look alike.
     if (mover >= projectors()) return false;
     return std::ranges::any_of(of, [&](const CameraObservation& look) {
       const std::vector<PatchTally> tallies = tally(look.patches, projectors());
@@ -299,7 +299,7 @@ bool ContinuousCalibrator::State::accept(const MovedBodies& movers, TimePoint no
     if (body < projectors() && motion[body].sigma_px(kCaution * solution->bodies[body].covariance) > kSurest_px)
       return false;
   }
-  // No other body may fit worse because of it.
+  // No body may lose more than a fifth of its fitting patches.
   for (BodyIndex body = 0; body < bodies(); ++body) {
     if (10 * after[body].fits < 8 * before[body].fits) return false;
   }

@@ -14,7 +14,7 @@
 namespace cyclorama::healing {
 namespace {
 
-constexpr double kProjectorTurn_rad = 3e-4;  // Residual of a scan.
+constexpr double kProjectorTurn_rad = 3e-4;  // Initial standard deviations: residuals of a scan.
 constexpr double kProjectorShift_m = 1e-3;
 constexpr double kCameraTurn_rad = 5e-4;
 constexpr double kCameraShift_m = 2e-3;
@@ -27,7 +27,7 @@ constexpr int kStubborn = 6;
 constexpr double kMaxFollowed_px = 1.0;
 constexpr int kMinPatches = 12;
 constexpr int kSearchesSeveralTimes = 8;
-constexpr double kDarkest = 0.004;  // Predicted mean light, as a share of the camera's full scale.
+constexpr double kDarkest = 0.004;  // Minimum predicted mean light, as a share of the camera's full scale.
 constexpr Duration kLearnsStillWithin = std::chrono::seconds(30);
 constexpr Duration kRealignsFor = std::chrono::seconds(10);
 constexpr double kRealignsFrom_px = 0.05;
@@ -140,14 +140,14 @@ void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solut
     if (is_surprise && body < projectors() && is_settled) notice(body, report);
     if (!is_surprise && !is_refused[body]) told[body] = measured;
   }
-  // Projectors' poses depend on the cameras' poses.
+  // The projectors' measured poses depend on the cameras' poses.
   if (has_camera_moved) return;
   // A small error of the time stamp displaces moving content; drift can wait until it stands still.
   if (is_moving && still_at && now < *still_at + kLearnsStillWithin) return;
   ++learned;
   const std::vector<bool> is_anchored = anchored(looks);
   for (BodyIndex body = 0; body < bodies(); ++body) {
-    // Before it has settled, learning does not lead to corrections.
+    // Until the calibrator has settled, bodies that are not anchored are updated too, since no correction follows.
     if (!told[body] || (is_settled && !is_anchored[body])) continue;
     const calibration::PoseStep step = filters[body].update(*told[body]);
     if (body < projectors()) {
@@ -187,10 +187,11 @@ void ContinuousCalibrator::State::loosen(BodyIndex body) {
 
 void ContinuousCalibrator::State::settle(TimePoint now) {
   if (is_settled || now < *begun_at + options.settle) return;
-  // Settling depends on the learned steps, not on the clock alone: a step may take a quarter of a second, or two.
+  // Settling depends on the learned steps, not on the clock alone: a step may take from a quarter of a second to two
+  // seconds.
   if (learned < kMinLearnedSteps && now < *begun_at + kSettlesWithin) return;
   is_settled = true;
-  // The values learned so far are the scan's own error, not a change.
+  // The steps learned so far are the scan's residuals, not a displacement.
   for (std::size_t i = 0; i < projectors(); ++i) {
     const calibration::PoseStep change =
         calibration::step_between(scanned.projectors[i].T_room_projector, applied.projectors[i].T_room_projector);
@@ -336,7 +337,7 @@ Status ContinuousCalibrator::put_back(std::size_t projector,
                                       const RigidTransform<frame::Room, frame::Projector>& T_room_projector) {
   CHECK(projector < state_->projectors());
   if (!state_->is_settled) return Error(ErrorCode::kUnavailable, "it has only begun; wait some seconds");
-  // Sets the believed pose to the one that would be believed if the given pose were right.
+  // Sets the reference so that the believed pose corresponds to the given one.
   const auto change = state_->scanned.projectors[projector].T_room_projector.inverse() * T_room_projector;
   auto& rest = state_->reference.projectors[projector].T_room_projector;
   rest = state_->believed.projectors[projector].T_room_projector * change.inverse();
@@ -352,7 +353,7 @@ ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {
   if (std::exchange(state.wants_realignment, false)) {
     state.realigns_until = moment.now + kRealignsFor;
     state.fruitless = 0;
-    for (BodyIndex i = 0; i < state.projectors(); ++i) state.loosen(i);  // The cameras keep the room's reference.
+    for (BodyIndex i = 0; i < state.projectors(); ++i) state.loosen(i);  // Cameras are the reference.
   }
   if (!state.begun_at) {
     state.begun_at = moment.now;

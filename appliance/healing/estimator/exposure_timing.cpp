@@ -10,12 +10,12 @@ namespace {
 
 constexpr int kMinPatches = 10;
 constexpr double kDiffers_px = 4.0;  // Distance counted for a patch that is not found: the reach of the search.
-// Contribution of a slightly wrong pose and of noise to the difference between two times.
+// Minimum differences between two times that count: above the effect of a slightly wrong pose and of noise.
 constexpr double kBetter_px = 0.12;
 constexpr double kBetterPart = 0.1;
 constexpr double kWorse_px = 0.05;
 
-/// Returns the mean distance of patches per projector; empty for those with too few comparable patches.
+/// Returns the mean distance of patches per projector; empty for projectors with too few comparable patches.
 std::vector<std::optional<double>> mean_off_px(std::span<const PatchShift> patches, std::size_t projectors) {
   std::vector<double> sums(projectors, 0.0);
   std::vector<int> counts(projectors, 0);

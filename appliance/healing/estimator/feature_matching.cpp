@@ -10,8 +10,8 @@ namespace cyclorama::healing {
 namespace {
 
 constexpr int kMaxFeatures = 1500;
-constexpr float kRatio = 0.8f;      // Lowe, IJCV 60 (2), 2004.
-constexpr double kInlier_px = 8.0;  // In pixels of the projector or the camera; patches refine it afterwards.
+constexpr float kRatio = 0.8f;      // Maximum ratio of distances. Source: Lowe, IJCV 60 (2), 2004.
+constexpr double kInlier_px = 8.0;  // In pixels of the projector or the camera; patches refine the pose afterwards.
 constexpr int kMinInliers = 12;
 
 /// Converts to OpenCV's 8 bits, perceptually uniform, so that dark parts have features too.
@@ -39,7 +39,7 @@ cv::Ptr<cv::Feature2D> detector(FeatureKind kind) {
   return cv::AKAZE::create(cv::AKAZE::DESCRIPTOR_MLDB, 0, 3, 0.0005f);
 }
 
-/// Matches each feature to its best, if that is much better than the second.
+/// Returns the index of each feature's best match, or -1 if the second best is almost as good.
 std::vector<int> best_of(const cv::Mat& from, const cv::Mat& to, int norm) {
   std::vector<int> best(static_cast<std::size_t>(from.rows), -1);
   std::vector<std::vector<cv::DMatch>> found;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Features that a prediction and a picture share, however far apart, and the pose that follows from them: recovery
-/// from a bump that is beyond the reach of patches.
+/// Features that a prediction and a picture have in common, at any distance, and the pose that follows from them: the
+/// recovery from a bump that is too large for patches.
 #pragma once
 
 #include <optional>
@@ -22,18 +22,18 @@ struct FeatureMatch {
 
 struct FeatureMatches {
   std::vector<FeatureMatch> matches;  ///< Matches within one projector's light; unique both ways.
-  int in_prediction = 0;              ///< Number of features.
+  int in_prediction = 0;              ///< Number of features found in the prediction.
   int in_picture = 0;
 };
-/// Errors: kBadData if OpenCV fails.
+/// Matches features of a prediction and a picture. Errors: kBadData if OpenCV fails.
 Result<FeatureMatches> match_features(const Prediction& prediction, const LightPlane& picture, FeatureKind kind);
 
 /// Returns the step from a projector's believed pose to the one that fits most of its observations; empty if fewer than
-/// 12 fit. Perspective-three-points in a RANSAC with a fixed random sequence, then refined.
+/// 12 fit. Method: perspective from three points in a RANSAC with a fixed random sequence, then refinement.
 [[nodiscard]] std::optional<calibration::PoseStep> find_projector(const calibration::ShowCalibration& room,
                                                                   std::size_t projector,
                                                                   std::span<const PatchObservation> observations);
-/// Does the same for a camera; all projectors keep their believed poses.
+/// Returns the step of a camera in the same way; all projectors keep their believed poses.
 [[nodiscard]] std::optional<calibration::PoseStep> find_camera(const calibration::ShowCalibration& room,
                                                                std::size_t camera,
                                                                std::span<const PatchObservation> observations);

@@ -9,7 +9,7 @@
 namespace cyclorama::healing {
 namespace {
 
-/// Sums `light_at(x, y)` over blocks; drops incomplete blocks at the right and below.
+/// Averages `light_at(x, y)` over blocks; drops incomplete blocks at the right and at the bottom.
 template <typename LightAt>
 LightPlane shrunk(int width, int height, int factor, const LightAt& light_at) {
   CHECK(factor >= 1);
@@ -102,7 +102,7 @@ void soften(LightPlane* plane) {
 LightPlane halved(const LightPlane& plane) {
   LightPlane soft = plane;
   soften(&soft);
-  // Blocks of two keep corners in place, as the definition of `factor` requires.
+  // Blocks of 2×2 pixels keep the picture's corners in place, as the definition of `factor` requires.
   LightPlane half = shrunk(soft.width(), soft.height(), 2, [&](int x, int y) { return *soft.light.at(x, y); });
   half.factor = 2 * plane.factor;
   return half;

@@ -11,15 +11,15 @@
 
 namespace cyclorama::healing {
 
-/// Linear light. One pixel here is `factor` by `factor` pixels of the original; the original's pixel (u, v), counted
-/// from its corner, is at (u, v) / factor.
+/// Linear light. One pixel of the plane is `factor` by `factor` pixels of the original; the original's pixel (u, v),
+/// counted from its corner, is at (u, v) / factor.
 struct LightPlane {
   int factor = 1;
   Image<float, 1> light;
 
   [[nodiscard]] int width() const { return light.width(); }
   [[nodiscard]] int height() const { return light.height(); }
-  /// Samples bilinearly between pixels' centres; 0 beyond the edges. x, y in this plane's pixels, from its corner.
+  /// Returns the light at x, y (in this plane's pixels, from its corner), interpolated bilinearly; 0 beyond the edges.
   [[nodiscard]] float at(float x, float y) const;
 };
 
@@ -29,9 +29,10 @@ struct LightPlane {
 [[nodiscard]] LightPlane seen_light(const GreyImage& picture, const calibration::ShowCamera& camera, int factor,
                                     double* ret_blown);
 
-/// Returns every second pixel each way, of a plane smoothed by 1 2 1 both ways.
+/// Returns the plane at half the size: smoothed by 1 2 1 both ways, then averaged over 2×2 pixels.
 [[nodiscard]] LightPlane halved(const LightPlane& plane);
-/// Smooths by 1 2 1 both ways, in place: removes a sensor's noise and half of the difference in sharpness.
+/// Smooths by 1 2 1 both ways, in place: reduces a sensor's noise, and the difference in sharpness between prediction
+/// and picture.
 void soften(LightPlane* plane);
 
 }  // namespace cyclorama::healing

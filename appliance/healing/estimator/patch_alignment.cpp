@@ -10,8 +10,8 @@ namespace cyclorama::healing {
 namespace {
 
 constexpr double kCorrelation = 4.0;  // Factor on the variance: sampling and softening correlate neighbouring pixels.
-constexpr double kPriorPx = 3.0;      // Prior deviation of the shift; it holds where a patch has no gradient.
-constexpr double kFloorPx = 0.02;     // Minimum deviation of a patch, from sampling.
+constexpr double kPriorPx = 3.0;      // Prior sigma of the shift; decides where a patch has no gradient.
+constexpr double kFloorPx = 0.02;     // Minimum sigma of a shift, due to sampling.
 constexpr double kSettledPx = 0.003;
 
 /// A patch of the prediction, prepared for the search.
@@ -73,7 +73,8 @@ void cut_template(const LightPlane& plane, int x, int y, int radius, Template* m
       static_cast<double>(dot(made->slope_y, made->slope_y));
 }
 
-/// Returns the owner of all of a patch's light; below 0 if there is no single one.
+/// Returns the projector that owns at least 90% of a patch; -1 if there is none, or if the patch extends beyond the
+/// wall.
 int owner_of(const Image<std::int8_t, 1>& owner, int x, int y, int radius) {
   std::array<int, 128> counts{};
   int own = 0;
@@ -151,7 +152,7 @@ bool look_for(const Template& wanted, const LightPlane& picture, int radius, con
   return true;
 }
 
-/// Returns whether the patch resembles another position of the prediction itself, within reach.
+/// Returns whether the patch resembles another position of the prediction, at most `reach` pixels away in x and y.
 bool repeats(const LightPlane& plane, const Template& wanted, int x, int y, int radius, int reach,
              std::vector<float>* values) {
   constexpr float kAlike = 0.85f;

@@ -3,8 +3,8 @@
 ///
 /// Inverse-compositional Lucas-Kanade: the patch's gradients are computed once, from the prediction; the picture is
 /// sampled at the shift found so far. Both are normalised to mean 0 and length 1, and the gradients are made orthogonal
-/// to the components that this removes, so that gain and offset (lamps, paint, ambient light) are free per patch.
-/// Source: Baker and Matthews, "Lucas-Kanade 20 Years On", IJCV 56 (3), 2004.
+/// to the components that the normalisation removes, so that gain and offset (lamps, paint, ambient light) are free per
+/// patch. Source: Baker and Matthews, "Lucas-Kanade 20 Years On", IJCV 56 (3), 2004.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,15 +15,15 @@
 namespace cyclorama::healing {
 
 enum class PatchFit {
-  kFits,     ///< Found within `max_shift_px`.
-  kDiffers,  ///< Nothing similar is there.
+  kFits,     ///< Found within PatchOptions::max_shift_px of its predicted position.
+  kDiffers,  ///< Nothing similar was found.
   kPlain,    ///< Contains no detail to compare.
-  kShared,   ///< Light of several projectors, or at the wall's edge.
+  kShared,   ///< Not comparable: several projectors' light, the wall's or picture's edge, or repeating content.
 };
 
 struct PatchShift {
   Eigen::Vector2d at{0.0, 0.0};  ///< Centre, in the prediction's pixels, from its corner.
-  int projector = -1;            ///< Projector whose light it is, unless it is shared.
+  int projector = -1;            ///< Projector that lights the patch; -1 if there is no single one.
   PatchFit fit = PatchFit::kShared;
   Eigen::Vector2d shift{0.0, 0.0};  ///< The patch predicted at `at` is seen at `at + shift`.
   /// Covariance of the shift, from the gradients and the residual.
@@ -41,20 +41,20 @@ struct PatchOptions {
   double min_contrast = 0.0012;  ///< Standard deviation, as a share of the camera's full scale.
 };
 
-/// Conversion from the prediction's unit to the picture's: a robust line through patches' means. 0 if there is no
-/// light.
+/// Conversion from the prediction's unit to the picture's: a robust line through the means of blocks. The gain is 0 if
+/// there is no light.
 struct LightScale {
   double gain = 0.0;
   double offset = 0.0;
 };
 [[nodiscard]] LightScale light_scale(const Prediction& prediction, const LightPlane& picture);
 
-/// Precondition: both have the same size. Reentrant.
+/// Searches all patches of a prediction in a picture. Precondition: the two have the same size. Reentrant.
 [[nodiscard]] std::vector<PatchShift> align_patches(const Prediction& prediction, const LightPlane& picture,
                                                     double gain, const PatchOptions& options = {});
 
-/// Aligns at a quarter of the size, for shifts of up to about ten pixels; returns them in the prediction's pixels.
-/// Patches that also resemble another position nearby are kShared, since repeating content would mislead.
+/// Aligns at a quarter of the size, for shifts of up to 16 pixels; returns the shifts in the prediction's pixels.
+/// Patches that also resemble another position nearby are kShared, since repeating content has no unique position.
 [[nodiscard]] std::vector<PatchShift> align_coarsely(const Prediction& prediction, const LightPlane& picture,
                                                      double gain);
 

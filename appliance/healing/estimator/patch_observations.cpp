@@ -40,7 +40,7 @@ std::optional<PatchObservation> patch_observation(const calibration::ShowCalibra
   const auto by = wall_by_camera(room, eye, *slope, *wall);
   if (!by) return std::nullopt;
   PatchObservation made{camera, projector, shown, seen, *wall, *by, {}};
-  // Derivative of the projector's pixels with respect to the camera's there.
+  // Derivative of the projector's pixel with respect to the camera's pixel.
   const auto T = lamp.T_room_projector.inverse();
   const auto here = calibration::pixel_of(lamp.lens, (T * Point<frame::Room>{*wall}).xyz);
   Eigen::Matrix2d lies = Eigen::Matrix2d::Zero();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Measurements in the solver's form: projector pixels that cameras saw on the wall, and points of the wall's outline.
-/// Each carries its derivative with respect to the camera's pose.
+/// Measurements for the solver: projector pixels that cameras saw on the wall, and points of the wall's outline, with
+/// their derivatives with respect to the camera's pose.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,9 +22,9 @@ struct PatchObservation {
   std::size_t projector = 0;
   Eigen::Vector2d shown{0.0, 0.0};      ///< Pixel of the projector.
   Eigen::Vector2d seen{0.0, 0.0};       ///< Pixel of the camera.
-  Eigen::Vector3d wall{0.0, 0.0, 0.0};  ///< Point of the wall that the camera sees there, from its believed pose.
+  Eigen::Vector3d wall{0.0, 0.0, 0.0};  ///< Point of the wall that the camera sees at `seen`, by its believed pose.
   WallByCamera wall_by_camera = WallByCamera::Zero();
-  Eigen::Matrix2d root_information = Eigen::Matrix2d::Identity();  ///< 1 / projector px.
+  Eigen::Matrix2d root_information = Eigen::Matrix2d::Identity();  ///< In 1 / px of the projector.
 };
 
 /// A part of the wall's outline in a camera's picture.
@@ -33,23 +33,22 @@ struct EdgeObservation {
   std::size_t camera = 0;
   Outline part = Outline::kUpper;
   Eigen::Vector2d at{0.0, 0.0};  ///< Expected position in camera pixels.
-  double off_px = 0.0;           ///< Measured distance beyond it, along the outward normal.
+  double off_px = 0.0;           ///< Measured distance of the edge from `at`, along the outward normal.
   double sigma_px = 1.0;
-  /// Derivative of that distance with respect to the camera's pose.
+  /// Derivative of `off_px` with respect to the camera's pose.
   Eigen::Matrix<double, 1, 6> by_camera = Eigen::Matrix<double, 1, 6>::Zero();
 };
 
-/// Returns the observation of a position in a camera's picture, with `wall_by_camera`; empty if its ray misses the
-/// wall. `covariance` of the position is in camera pixels. An observation's deviation is at least `min_sigma_px` of the
-/// projector.
+/// Returns the observation of a position in a camera's picture, with `wall_by_camera`; empty if the ray misses the
+/// wall. `covariance` is that of the position, in camera pixels. The observation's sigma is at least `min_sigma_px`, in
+/// projector pixels.
 [[nodiscard]] std::optional<PatchObservation> patch_observation(const calibration::ShowCalibration& room,
                                                                 std::size_t camera, std::size_t projector,
                                                                 const Eigen::Vector2d& shown,
                                                                 const Eigen::Vector2d& seen,
                                                                 const Eigen::Matrix2d& covariance, double min_sigma_px);
 
-/// Returns observations of all patches that fit. `predicted` is the room that the prediction was made for, `room` the
-/// believed one.
+/// Returns observations of all patches that fit. `predicted` is the room of the prediction, `room` the believed room.
 [[nodiscard]] std::vector<PatchObservation> patch_observations(const calibration::ShowCalibration& predicted,
                                                                const calibration::ShowCalibration& room,
                                                                std::size_t camera, int factor,
@@ -60,7 +59,7 @@ struct EdgeObservation {
 struct PixelMotion {
   Eigen::Matrix<double, Eigen::Dynamic, 6> by_step;  ///< Derivatives: two rows per pixel of a grid.
 
-  /// Returns the root mean square motion over the picture.
+  /// Returns the root mean square motion over the picture for a step.
   [[nodiscard]] double rms_px(const calibration::PoseStep& step) const;
   [[nodiscard]] double sigma_px(const calibration::PoseMatrix& covariance) const;
 };

@@ -30,7 +30,7 @@ void for_directions(const PoseFilter::Measured& measured, const calibration::Pos
   for (int i = 0; i < 6; ++i) {
     const double information = parts.eigenvalues()[i];
     if (!(information > min) || !(information > 1e-290) || !std::isfinite(information)) continue;
-    // along^T x with x in steps: the direction e in balanced units is x / unit.
+    // For an eigenvector e, in balanced units, the measured value of a step x is e^T (x / unit) = along^T x.
     const calibration::PoseStep along = parts.eigenvectors().col(i).cwiseQuotient(unit);
     use(Direction{along, along.dot(measured.step), 1.0 / information});
   }
@@ -119,7 +119,7 @@ bool InnovationWindow::is_surprising() const {
 
 PoseFilter::Measured without_prior(const calibration::PoseStep& step, const calibration::PoseMatrix& information,
                                    const calibration::PoseMatrix& prior) {
-  // (information + prior) step = information * measured.
+  // Solves (information + prior) * step = information * measured for `measured`.
   const Eigen::SelfAdjointEigenSolver<calibration::PoseMatrix> parts(information);
   const calibration::PoseStep told = parts.eigenvectors().transpose() * ((information + prior) * step);
   const double min = 1e-12 * std::max(parts.eigenvalues().maxCoeff(), 0.0);

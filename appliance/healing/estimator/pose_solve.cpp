@@ -16,13 +16,13 @@
 namespace cyclorama::healing {
 namespace {
 
-constexpr double kLossWidth = 2.5;              // In deviations.
+constexpr double kLossWidth = 2.5;              // In standard deviations.
 constexpr double kStages[] = {40.0, 8.0, 1.0};  // Factors on the loss's width.
-// Minimum cost that one more moving body must save: six parameters, many times over.
+// Minimum decrease of the cost for one more moving body: many times the decrease that six parameters cause by chance.
 constexpr double kMinMoveGain = 40.0;
 
-/// Residual of one PatchObservation. A camera's motion displaces its point on the wall linearly: `room_by_camera` in
-/// the projector's frame.
+/// Residual of one PatchObservation. A camera's motion displaces its point on the wall linearly, by `by_camera` in the
+/// projector's frame.
 struct ObservationCost {
   calibration::BrownBlock lens;
   Eigen::Vector3d point;  ///< In the believed projector's frame.
@@ -180,7 +180,7 @@ class PoseProblem {
 };
 
 int rank_of(const calibration::PoseMatrix& information) {
-  // Turns and shifts in units of a loose body's deviations.
+  // Scales turns and shifts to units of a loose body's standard deviations.
   calibration::PoseStep unit;
   unit << kLooseTurn_rad, kLooseTurn_rad, kLooseTurn_rad, kLooseShift_m, kLooseShift_m, kLooseShift_m;
   const calibration::PoseMatrix scaled = unit.asDiagonal() * information * unit.asDiagonal();

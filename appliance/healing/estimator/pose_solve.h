@@ -5,7 +5,8 @@
 ///   edge       the wall's outline in the camera's picture: locates the cameras in the room
 ///   prior      the filter's knowledge
 ///
-/// The wall is as calibrated. Losses are Cauchy's; distant starts converge by tightening them in three stages.
+/// The wall's shape is not estimated. Losses are Cauchy's, and are tightened in three stages so that distant starts
+/// converge.
 #pragma once
 
 #include <span>
@@ -28,37 +29,38 @@ struct BodyPrior {
 struct BodySolution {
   calibration::PoseStep step = calibration::PoseStep::Zero();
   calibration::PoseMatrix covariance = calibration::PoseMatrix::Zero();  ///< Covariance of the step, prior included.
-  /// Information from the measurements alone, while all other bodies are uncertain.
+  /// Information from the measurements alone, marginal over all other bodies.
   calibration::PoseMatrix information = calibration::PoseMatrix::Zero();
-  /// Number of directions of `information` that are known to better than a tenth of a loose body's deviation.
+  /// Number of directions of `information` that are known to better than a tenth of a loose body's standard deviation.
   int rank = 0;
 };
 
 struct PoseSolution {
   std::vector<BodySolution> bodies;  ///< Projectors, then cameras.
   double cost = 0.0;                 ///< Half the sum of the robust losses.
-  double noise = 1.0;                ///< Robust deviation of the residuals relative to the expected one; at least 1.
+  double noise = 1.0;                ///< Robust standard deviation of the normalised residuals; at least 1.
   std::size_t observations = 0;
 };
 
-/// Deviations of a loose body's pose: the extent of a bump.
+/// Prior standard deviations of a loose body, whose pose is unknown to the extent of a bump.
 inline constexpr double kLooseTurn_rad = 0.2;
 inline constexpr double kLooseShift_m = 0.3;
 [[nodiscard]] calibration::PoseMatrix loose_information();
 
-/// Errors: kInvalidArgument if there is no observation; kBadData if the solver does not converge, or gives no finite
-/// covariance.
+/// Solves for the poses of all bodies. Errors: kInvalidArgument if there is no observation; kBadData if the solver does
+/// not converge, or gives no finite covariance.
 Result<PoseSolution> solve_poses(const calibration::ShowCalibration& room,
                                  std::span<const PatchObservation> observations, std::span<const EdgeObservation> edges,
                                  std::span<const BodyPrior> priors);
 
-/// The bodies that moved: the smallest set whose freedom explains the observations, found greedily. Empty if no body
+/// The bodies that moved: a small set whose displacement explains the observations, found greedily. Empty if no body
 /// has to move.
 struct MovedBodies {
   std::vector<BodyIndex> bodies;
   PoseSolution solution;
 };
-/// `starts` per body, zero where there is none. At most `max` bodies. Errors: those of solve_poses().
+/// Finds the bodies that moved, at most `max`. `starts` has a step per body; zero is the believed pose. Errors: those
+/// of solve_poses().
 Result<MovedBodies> find_moved_bodies(const calibration::ShowCalibration& room,
                                       std::span<const PatchObservation> observations,
                                       std::span<const EdgeObservation> edges, std::span<const BodyPrior> priors,

@@ -4,8 +4,8 @@
 ///   camera pixel ─▶ wall ─▶ position in each projector's picture ─▶ its light there * gain ─▶ sum
 ///   └── SeenWall ──────┘└── LitPart: renewed when a pose changes ──────┘└── predict(): each picture ──┘
 ///
-/// The gain is the irradiance's geometric factor; the rest (lamps, vignetting, paint, ambient light) is smooth, and
-/// each patch estimates it when it is compared.
+/// The gain is the irradiance's geometric factor; the rest (lamps, vignetting, paint, ambient light) is smooth, and the
+/// comparison estimates it per patch (patch_alignment.h).
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace cyclorama::healing {
 
-/// Ray slopes of a camera's pixels at a reduced size, computed once. NaN where the lens has none.
+/// Ray slopes of the pixels of a camera's reduced picture, computed once. NaN where the lens has none.
 struct CameraSlopes {
   int factor = 1;
   int width = 0;
@@ -26,7 +26,7 @@ struct CameraSlopes {
 };
 [[nodiscard]] CameraSlopes camera_slopes(const calibration::ShowCamera& camera, int factor);
 
-/// Per camera pixel a point of the wall, in the Room frame, and its normal; NaN beside the wall.
+/// Point of the wall, in the Room frame, and its normal for each camera pixel; NaN beside the wall.
 struct SeenWall {
   int width = 0;
   int height = 0;
@@ -35,7 +35,8 @@ struct SeenWall {
 };
 [[nodiscard]] SeenWall seen_wall(const Wall& wall, const calibration::ShowCamera& camera, const CameraSlopes& slopes);
 
-/// Per camera pixel the position in one projector's picture, in its pixels; gain 0 where it gives no light.
+/// Position in one projector's picture, in its pixels, for each camera pixel; gain 0 where the projector gives no
+/// light.
 struct LitPart {
   struct Place {
     float u = 0.0f;
@@ -43,26 +44,27 @@ struct LitPart {
     float gain = 0.0f;
   };
   std::vector<Place> positions;
-  int first_row = 0;  ///< Rows with light.
+  int first_row = 0;  ///< First row with light; end_row is after the last.
   int end_row = 0;
-  bool is_placed = true;  ///< False: the position of its light is too uncertain.
+  bool is_placed = true;  ///< False if the position of the projector's light is too uncertain.
 };
 [[nodiscard]] LitPart lit_part(const SeenWall& seen, const calibration::ShowProjector& projector);
-/// Returns the median number of a projector's pixels per pixel of the camera; 1 if it lights none.
+/// Returns the median number of a projector's pixels per pixel of the camera; 1 if the projector lights no pixel.
 [[nodiscard]] double footprint_px(const SeenWall& seen, const LitPart& lit);
 
-/// Owner of a pixel's light, if not a projector.
+/// Values of Prediction::owner for pixels that no projector owns.
 inline constexpr std::int8_t kUnlit = -1;
 inline constexpr std::int8_t kOverlap = -2;
 inline constexpr std::int8_t kBesideWall = -3;
-/// Share of a pixel's light from which on one projector owns the pixel.
+/// A projector owns a pixel if at least this share of the pixel's light is its light.
 inline constexpr float kOwnShare = 0.85f;
 
 struct Prediction {
   LightPlane light;             ///< The predicted light, after soften().
   Image<std::int8_t, 1> owner;  ///< Index of a projector, or kUnlit, kOverlap or kBesideWall.
 };
-/// `lit` and `shone` have one element per projector; a plane without pixels is a lamp that is off.
+/// Predicts one picture. `lit` and `shone` have one element per projector; a plane without pixels stands for a lamp
+/// that is off.
 [[nodiscard]] Prediction predict(const SeenWall& seen, std::span<const LitPart> lit, std::span<const LightPlane> shone,
                                  int factor);
 

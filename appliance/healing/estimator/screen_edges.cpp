@@ -8,9 +8,9 @@
 namespace cyclorama::healing {
 namespace {
 
-constexpr int kEvery_px = 16;  // In pixels of the reduced picture.
+constexpr int kEvery_px = 16;  // Distance between points, in pixels of the reduced picture.
 constexpr int kSearchRadius_px = 5;
-constexpr int kBeyond_px = 3;           // Distance inside of an edge at which its light is sampled.
+constexpr int kBeyond_px = 3;           // Distance inside an edge at which light is sampled.
 constexpr double kMinEdgeStep = 0.004;  // Minimum step across the edge, as a share of the camera's full scale.
 constexpr double kSigma_px = 0.6;       // In pixels of the reduced picture; content beside an edge shifts it.
 
@@ -23,7 +23,7 @@ class WallRay {
     return slope &&
            hit(wall_, {{camera_.T_room_camera.translation()}, camera_.T_room_camera.rotation() * slope->homogeneous()});
   }
-  /// Returns the edge of the wall between a pixel that meets it and one that does not.
+  /// Returns the position of the wall's edge between a pixel that meets the wall and one that does not.
   [[nodiscard]] std::optional<Eigen::Vector2d> end(Eigen::Vector2d inside, Eigen::Vector2d outside) const {
     if (!meets(inside) || meets(outside)) return std::nullopt;
     while ((outside - inside).norm() > 1e-4) {
@@ -43,7 +43,7 @@ std::optional<EdgePoint> edge_point(const Wall& wall, const calibration::ShowCam
   const WallRay observation(wall, camera);
   const auto at = observation.end(inside, outside);
   if (!at) return std::nullopt;
-  // The tangent is computed from ends a few pixels to either side.
+  // The tangent is computed from the edge's positions a few pixels to either side.
   const Eigen::Vector2d out = (outside - inside).normalized();
   const Eigen::Vector2d along(-out.y(), out.x());
   constexpr double kBeside_px = 6.0;
@@ -107,7 +107,7 @@ std::vector<EdgePoint> edge_points(const Wall& wall, const calibration::ShowCame
 
 std::vector<EdgePoint> lit_across(const std::vector<EdgePoint>& points, const calibration::ShowCalibration& room,
                                   std::size_t camera, int factor, std::span<const LightPlane> shone) {
-  // Minimum share of the light inside; not 1, since content changes over some pixels too.
+  // Minimum light outside relative to the light inside; less than 1, since the content may change over some pixels.
   constexpr double kGoesOn = 0.5;
   const calibration::ShowCamera& eye = room.cameras[camera];
   const auto light = [&](const EdgePoint& point, double out_px) {

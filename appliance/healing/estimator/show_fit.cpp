@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::size_t kMinPixels = 40;
 constexpr double kGross_px = 1.0;    // Transition of the loss from squares to logarithms.
-constexpr double kOutlier_px = 5.0;  // Beyond it, a pixel belongs to something else.
-constexpr double kMaxRms_px = 20.0;  // Beyond it, the model is of another room.
+constexpr double kOutlier_px = 5.0;  // A larger distance counts as an outlier.
+constexpr double kMaxRms_px = 20.0;  // A larger rms means that the wall's model is wrong.
 
 struct Reprojection {
   Eigen::Vector2d pixel;
@@ -23,7 +23,7 @@ struct Reprojection {
 
   template <typename T>
   bool operator()(const T* pose, const T* lens, T* residual) const {
-    // pose: body from room, as an angle-axis and a shift.
+    // `pose` is T_body_room: an angle-axis rotation, then a shift.
     const T in_room[3] = {T(position.x()), T(position.y()), T(position.z())};
     T point[3];
     ceres::AngleAxisRotatePoint(pose, in_room, point);
@@ -38,7 +38,7 @@ struct Reprojection {
   }
 };
 
-/// Keeps a number near the installation's value.
+/// Prior that keeps a lens parameter near the installation's value.
 struct Near {
   int index;
   double value;
@@ -72,7 +72,7 @@ RigidTransform<frame::Room, Body> pose_of(const std::array<double, 6>& pose) {
   return RigidTransform<Body, frame::Room>({q[0], q[1], q[2], q[3]}, {pose[3], pose[4], pose[5]}).inverse();
 }
 
-/// `free_lens`: also fits focal lengths, centre, k1 and k2, each kept near its initial value.
+/// Refines a fit. If `free_lens`, also fits focal lengths, centre, k1 and k2, each kept near its initial value.
 bool refine(std::span<const WallCorrespondence> pixels, bool free_lens, Fit* fit) {
   ceres::Problem problem;
   for (const WallCorrespondence& p : pixels) {
@@ -190,7 +190,7 @@ Result<FittedPose<frame::Camera>> place_camera(const calibration::BrownParameter
   try {
     cv::Mat turn;
     cv::Mat shift;
-    cv::theRNG().state = 1;  // A fixed seed gives the same draws for the same pixels.
+    cv::theRNG().state = 1;  // A fixed seed makes the result reproducible.
     const double within = kOutlier_px / lens.focal_u_px;
     if (!cv::solvePnPRansac(positions, slopes, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, shift, false, 2000,
                             static_cast<float>(within), 0.999, cv::noArray(), cv::SOLVEPNP_SQPNP))

@@ -21,19 +21,20 @@ template <typename Body>
 struct FittedPose {
   calibration::BrownParameters lens;
   RigidTransform<frame::Room, Body> pose;
-  double rms_px = 0.0;   ///< Distance without the worst twentieth, in pixels.
+  double rms_px = 0.0;   ///< Root mean square distance without the worst twentieth.
   std::size_t used = 0;  ///< Number of pixels that fit.
 };
 
-/// Fits the projector whose pixels land where its map and the wall require. `installed` is the start of the search, and
-/// decides where the wall does not: on a flat one, focal length and distance cannot be told apart. Errors:
-/// kInvalidArgument if the map has fewer than 40 points on the wall; kBadData if no pose fits, with the residual.
+/// Fits a projector's lens and pose to the points of the wall where its pixels land according to its map. `installed`
+/// is the start of the search and a weak prior for the lens: on a flat wall, focal length and distance cannot be told
+/// apart otherwise. Errors: kInvalidArgument if the map has fewer than 40 points on the wall; kBadData if no pose fits,
+/// with the residual.
 Result<FittedPose<frame::Projector>> fit_projector(const calibration::MeasuredMap& map, const Wall& wall,
                                                    const Point<frame::Room>& sweet_spot,
                                                    const calibration::ShowProjector& installed);
 
-/// Fits the pose of a camera of a known lens, without an initial pose; up to half of the pixels may be wrong. Errors:
-/// those of fit_projector().
+/// Fits the pose of a camera with a known lens, without an initial pose; up to half of the pixels may be outliers.
+/// Errors: those of fit_projector().
 Result<FittedPose<frame::Camera>> place_camera(const calibration::BrownParameters& lens,
                                                std::span<const WallCorrespondence> pixels);
 

@@ -7,10 +7,11 @@
 namespace cyclorama::healing {
 namespace {
 
-constexpr double kStill_px = 0.1;  // In the plane's pixels; patches are no more precise.
+constexpr double kStill_px = 0.1;  // In the plane's pixels; patches are not located more precisely.
 constexpr std::ptrdiff_t kCompared = 8;
 
-/// A shift causes a difference of slope times distance; the sum over the picture gives the distance.
+/// Returns the approximate distance by which the content moved. A shift causes a difference of slope times distance, so
+/// the distance follows from the sums over the picture.
 double shift_px(const LightPlane& a, const LightPlane& b) {
   if (a.light.empty() || a.width() != b.width() || a.height() != b.height()) return 0.0;
   double differences = 0.0;
@@ -47,7 +48,7 @@ std::pair<ShowTimeline::Entries::iterator, ShowTimeline::Entries::iterator> Show
                                                                                                 TimePoint until) {
   const std::pair nothing(entries_.end(), entries_.end());
   if (!(until > from) || entries_.empty() || entries_.front().lit_at > from || until > until_.at) return nothing;
-  // All that came after the exposure began, and the one before.
+  // The pictures that came after `from`, and the one before them.
   const auto first = std::ranges::upper_bound(entries_, from, {}, &Entry::lit_at) - 1;
   const auto end = std::ranges::lower_bound(entries_, until, {}, &Entry::lit_at);
   // The next entry must have the next number, else another picture may have come before `until`.
@@ -61,7 +62,7 @@ std::pair<ShowTimeline::Entries::iterator, ShowTimeline::Entries::iterator> Show
 bool ShowTimeline::is_still(TimePoint from, TimePoint until) {
   const auto [first, end] = shown(from, std::max(until, until_.at));
   if (first == end) return false;
-  // Compares a subset of many pictures, so that none is computed for this alone.
+  // Compares only a subset of many pictures, so that few are computed for this alone.
   const std::ptrdiff_t stride = std::max<std::ptrdiff_t>(1, (end - first) / kCompared);
   double moved_px = 0.0;
   for (auto one = first; end - one > 1;) {

@@ -11,11 +11,11 @@
 
 namespace cyclorama::healing {
 
-/// The light of a projector from a moment on: the head's whole picture, as it left the graphics card.
+/// Picture that a projector shows from a time on: the head's whole picture, as it left the graphics card.
 struct ShownPicture {
   std::size_t projector = 0;
   TimePoint lit_at;                         ///< Presentation time plus the projector's latency.
-  std::shared_ptr<const RgbImage> picture;  ///< Null: the lamp is off.
+  std::shared_ptr<const RgbImage> picture;  ///< Null while the lamp is off.
   std::uint64_t number = 0;                 ///< Increases by one with each picture of this projector, reported or not.
 };
 
@@ -27,8 +27,8 @@ struct ShownUntil {
 };
 
 /// One projector's pictures over time. Late, repeated and disordered reports are sorted by their times; reports older
-/// than kKept are dropped, except for the picture that was shown then. It answers only for times that are completely
-/// known: if a number is missing, the time of that picture is unknown. Thread-bound.
+/// than kKept are dropped, except for the picture that was shown at that time. Only times whose pictures are all known
+/// have a result: a missing number means a picture at an unknown time. Thread-bound.
 class ShowTimeline {
  public:
   static constexpr Duration kKept = std::chrono::seconds(2);
@@ -39,12 +39,12 @@ class ShowTimeline {
 
   struct Exposed {
     LightPlane light;        ///< Mean over the exposure; without pixels if the lamp was off.
-    double motion_px = 0.0;  ///< Approximate motion of the content during it, in the plane's pixels.
+    double motion_px = 0.0;  ///< Approximate motion of the content meanwhile, in the plane's pixels.
   };
-  /// Empty if the pictures of the whole exposure are not known.
+  /// Returns the light during an exposure; empty if not all of its pictures are known.
   std::optional<Exposed> between(TimePoint opened, TimePoint closed);
-  /// True if one picture, or pictures whose difference a camera cannot see, stood from `from` to `until` and, as far as
-  /// is known, ever since. False if the pictures of that time are not known.
+  /// True if the shown pictures did not visibly differ from `from` to `until` and, as far as is known, until now. False
+  /// if a picture of that time is not known.
   bool is_still(TimePoint from, TimePoint until);
 
  private:

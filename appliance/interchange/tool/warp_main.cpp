@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cyclorama-warp: converts calibrations of projectors from and to formats of other programs.
+/// cyclorama-warp: converts calibrations of projectors from and to the formats of other programs.
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -93,7 +93,7 @@ Status show(const Arguments& arguments) {
 Status convert(Arguments arguments) {
   TRY_ASSIGN(const WarpFile file, read_warp_file(arguments.in, arguments.options));
   list_ignored(file);
-  arguments.options.mask.reset();  // The option named the mask to read, not the one to write.
+  arguments.options.mask.reset();  // The option is the mask to read, not the mask to write.
   if (arguments.columns > 0 || arguments.rows > 0) {
     arguments.options.grid = {arguments.columns > 0 ? arguments.columns : kDefaultGrid.columns,
                               arguments.rows > 0 ? arguments.rows : kDefaultGrid.rows};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a realignment starts from: the calibration that exists, and its reference projectors.
+/// Baseline of a realignment: the existing calibration and its reference projectors.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ namespace cyclorama::scan {
 /// The map of a projector that did not move.
 struct ReferenceMap {
   std::size_t calibrated = 0;     ///< Index in the calibration.
-  photometry::InverseMap pixels;  ///< From directions to its pixels.
+  photometry::InverseMap pixels;  ///< Maps directions to the projector's pixels.
 };
 
 /// A value. Reentrant.
@@ -32,17 +32,18 @@ struct RealignmentBaseline {
   [[nodiscard]] const calibration::CalibratedProjector& projector() const { return calibration.projectors[target]; }
   /// Returns the inverse distance of the wall along a unit vector, 1/m, as used when the camera's poses were estimated.
   [[nodiscard]] double camera_inverse_depth(const Eigen::Vector3d& direction) const;
-  /// Returns the inverse distance of the fitted wall along a unit vector, 1/m; negative where it has none.
+  /// Returns the inverse distance of the fitted wall along a unit vector, 1/m; negative where the wall has none.
   [[nodiscard]] double wall_inverse_depth(const Eigen::Vector3d& direction) const;
 };
 
-/// Errors: kNotFound if `folder` has no calibration or the calibration lacks that projector; kBadData if it was made
-/// with another camera or other projectors, or lacks the wall or a reference projector.
+/// Reads the baseline for a displaced projector. Errors: kNotFound if `folder` has no calibration or the calibration
+/// lacks that projector; kBadData if the calibration was made with another camera or other projectors, or lacks the
+/// wall or a reference projector.
 Result<RealignmentBaseline> read_baseline(const Installation& installation, const std::string& projector,
                                           const std::filesystem::path& folder, int camera_width_px,
                                           int camera_height_px);
 
-/// Returns kBadData with the remedy that always helps: to calibrate all projectors.
+/// Returns the error kBadData for `what`, with the remedy to calibrate all projectors.
 [[nodiscard]] Error realignment_refused(const std::string& what);
 
 }  // namespace cyclorama::scan

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMinObservations = 24;
 constexpr int kMaxRounds = 30;
 constexpr double kRobust_sigmas = 3.0;
-// Prior of the camera's centre: a tripod that is put back on its marks is no farther off.
+// Prior deviation of the camera's centre: a tripod that is put back on its marks is not farther off.
 constexpr double kCentre_m = 0.1;
 constexpr double kClear_sigmas = 3.0;
 constexpr double kPredictsBetter = 0.98;
@@ -125,7 +125,7 @@ LocatedCamera planned_camera(const calibration::CalibratedTurntable& turntable, 
     solve::to_camera(mount.data(), none.data(), angle_rad, unit.data(), 0.0, turned.data());
     camera.R_camera_eye.col(axis) = turned;
   }
-  // The zero direction leaves the camera's centre as the only term.
+  // With a zero direction, to_camera() returns the term of the camera's centre alone.
   const Eigen::Vector3d nowhere = Eigen::Vector3d::Zero();
   Eigen::Vector3d from_centre;
   solve::to_camera(mount.data(), offset.data(), angle_rad, nowhere.data(), 1.0, from_centre.data());
@@ -142,7 +142,7 @@ Result<LocatedCamera> locate_camera(const LocatedCamera& planned, std::span<cons
   }
   const auto turned = solved(planned, observations, false);
   if (!turned) return Error(ErrorCode::kBadData, "what the camera sees of the other projectors lies on a line");
-  // Starts from the fitted rotation, so that a camera that was turned far does not mislead the fit.
+  // Starts at the fitted rotation, so that a large rotation of the camera does not mislead the fit.
   LocatedCamera start = *turned;
   start.centre_m = planned.centre_m;
   const auto moved = solved(start, observations, true);

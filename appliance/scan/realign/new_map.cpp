@@ -16,12 +16,12 @@ namespace {
 constexpr std::size_t kMinCells = 60;
 constexpr int kMinFitting_px = 8;
 constexpr int kCellsAcross = 60;
-constexpr double kMaxReferenceError_px = 1.0;  // A displaced reference projector does not fit this well.
-// An old map is kept if its error is at most this multiple of the new map's error on left-out cells.
+constexpr double kMaxReferenceError_px = 1.0;  // A larger error means that a reference projector was displaced, too.
+// The old map is kept if its error on left-out cells is at most this multiple of the new map's error.
 constexpr double kStillRight = 1.1;
 constexpr double kStillRightFloor_px = 0.1;  // At a width of 1920 pixels; smaller errors are invisible.
-constexpr double kMinSeen = 0.4;             // Fraction of the old map.
-constexpr unsigned kBlock_px = 64;           // Whole blocks are left out, because smoothness could bridge single cells.
+constexpr double kMinSeen = 0.4;             // Minimum fraction of the old map that must be seen.
+constexpr unsigned kBlock_px = 64;           // Blocks are left out, since a smooth map bridges single cells.
 constexpr unsigned kLeftOutEvery = 6;
 constexpr int kFill_px = 32;
 constexpr double kFillFloor_px = 0.4;  // Sigma of directions that follow from the displacement alone.
@@ -47,8 +47,8 @@ Result<calibration::MeasuredMap> fit_map(const calibration::CalibratedProjector&
   return map;
 }
 
-/// Returns one direction of the turntable; projector 0 is the displaced one, followed by the reference projectors in
-/// their order.
+/// Returns measurements of a single direction of the turntable. Projector 0 is the displaced one; the reference
+/// projectors follow in their order.
 solve::Measurements measurements_of(const RealignmentBaseline& baseline, const RealignmentPhotographs& photographs) {
   solve::Measurements all;
   const calibration::CalibratedProjector& target = baseline.projector();
@@ -72,8 +72,8 @@ solve::Measurements measurements_of(const RealignmentBaseline& baseline, const R
   return all;
 }
 
-/// Averages correspondences of the displaced projector or of the references over cells. The cells' sizes differ, since
-/// references may be decoded in every fourth camera pixel only.
+/// Averages correspondences of the displaced projector or of the references over cells. The two cell sizes differ,
+/// since references may be decoded at only one in four camera pixels.
 solve::CellMeans cells_of(const solve::Measurements& all, bool of_target) {
   solve::Measurements some = all;
   auto& places = some.directions[0].correspondences;
@@ -128,7 +128,8 @@ std::vector<solve::MapSample> samples_of(const RealignmentBaseline& baseline, co
   return samples;
 }
 
-/// Finds the displacement that explains the samples. Refuses if the lens was turned or nothing explains them.
+/// Returns the displacement that explains the samples. Errors: kBadData if the lens was turned or no displacement
+/// explains them.
 Result<Displacement> displacement_of(const RealignmentBaseline& baseline, std::span<const solve::MapSample> samples) {
   const calibration::CalibratedProjector& target = baseline.projector();
   const InverseDepthAt inverse_depth = [&](const Eigen::Vector3d& d) { return baseline.wall_inverse_depth(d); };
@@ -154,7 +155,8 @@ struct FilledMap {
   double seen_fraction = 1.0;
 };
 
-/// Adds the unseen part of the picture, computed from wall and displacement; otherwise the map would lose its rim.
+/// Adds the unseen part of the picture, computed from the wall and the displacement; otherwise the map would lose its
+/// rim.
 Result<FilledMap> filled(const RealignmentBaseline& baseline, const Displacement& displacement,
                          std::span<const solve::MapSample> samples, const calibration::MeasuredMap& map) {
   const calibration::CalibratedProjector& target = baseline.projector();

@@ -16,11 +16,11 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 // Finer bits need more pictures, and cells of many pixels do not benefit from them: docs/design/calibration.md.
 constexpr int kMinFinestBit = 2;
-constexpr int kHeadings = 15;  // Candidates on either side of the projector's middle.
+constexpr int kHeadings = 15;  // Candidate headings on either side of the projector's middle.
 constexpr double kHeadingStep_rad = 1.0 * kDegree;
-constexpr double kTargetRim = 0.08;  // Fraction of the camera's picture; a displaced picture is not quite where it was.
+constexpr double kTargetRim = 0.08;  // Fraction of the camera's picture; the displaced light is not quite where it was.
 constexpr double kReferenceRim = 0.02;
-constexpr double kReferenceGain = 0.3;  // Gain per direction; 1 for the displaced projector.
+constexpr double kReferenceGain = 0.3;  // Gain per direction of a reference; 1 for the displaced projector.
 constexpr int kManyPixels = 1000;       // Camera width above which every other pixel is enough.
 constexpr double kInside = 1.0 / 240;   // Margin within a reference projector's picture, in widths.
 
@@ -63,7 +63,7 @@ double best_angle(const RealignmentBaseline& baseline, const turntable::TurnRang
   return best;
 }
 
-/// Returns the settings of a scan without the fine patterns that a projector's cells do not need.
+/// Returns the settings without fine patterns, which averages over cells do not need.
 ViewSettings coarse(ViewSettings settings) {
   settings.finest_bit = std::max(settings.finest_bit, kMinFinestBit);
   settings.phase_period_px = 0.0;
@@ -79,7 +79,7 @@ PhotographListener telling(const ScanListener& listener, std::string what, doubl
   };
 }
 
-/// Measures the displaced projector, and once more if somebody was in the way; takes the better view.
+/// Measures the displaced projector, and measures it once more if somebody was in the way; keeps the better view.
 Status photograph_target(const RealignmentBaseline& baseline, const ScanSettings& settings, const ScanDevices& devices,
                          const ScanListener& listener, const std::stop_token& stop, RealignmentPhotographs* all) {
   const calibration::CalibratedProjector& target = baseline.projector();
@@ -92,7 +92,7 @@ Status photograph_target(const RealignmentBaseline& baseline, const ScanSettings
              measured(telling(listener, fmt::format("measures projector '{}': ", target.name), 0.05, 0.6)));
   all->pictures += view.pictures;
   if (view.disturbed > settings.max_disturbed) {
-    // The progress is held during the second measurement, since it may not decrease.
+    // The progress stays constant during the second measurement, since it may not decrease.
     TRY_ASSIGN(ScanView second,
                measured(telling(listener, fmt::format("measures projector '{}' once more: ", target.name), 0.65, 0.0)));
     all->pictures += second.pictures;
@@ -114,7 +114,8 @@ Status photograph_target(const RealignmentBaseline& baseline, const ScanSettings
   return Done{};
 }
 
-/// Predicts the pixel that each camera pixel should see; pixels near a picture's edge or in an overlap are not used.
+/// Predicts which reference projector's pixel each camera pixel should see; pixels near a picture's edge or in an
+/// overlap are not used.
 ExpectedReferences expected_from(const RealignmentBaseline& baseline, const LocatedCamera& camera) {
   const int width = baseline.calibration.turntable.camera.width_px;
   const int height = baseline.calibration.turntable.camera.height_px;

@@ -14,17 +14,17 @@
 namespace cyclorama::scan {
 
 struct RealignmentPhotographs {
-  LocatedCamera planned;     ///< The pose that the turntable was commanded to give the camera.
-  ScanView target;           ///< The displaced projector, seen with its own patterns.
-  ReferenceView references;  ///< The other projectors, seen with sines.
+  LocatedCamera planned;     ///< Pose of the camera according to the turntable's commanded angle.
+  ScanView target;           ///< Measured with the displaced projector's own patterns.
+  ReferenceView references;  ///< Measured with sines on the other projectors.
   int pictures = 0;
   int retries = 0;
   std::vector<std::string> remarks;  ///< For the installer.
 };
 
 /// Turns the camera to where it sees all of the displaced projector's light and as much as possible of the other
-/// projectors' light. All projectors are dark afterwards. Errors: kUnavailable if the projector gives no light or
-/// `stop` was requested; otherwise those of measure_view() and Turntable. Blocks.
+/// projectors' light. On success, all projectors are dark on return. Errors: kUnavailable if the projector gives no
+/// light or `stop` was requested; otherwise those of measure_view() and Turntable. Blocks.
 Result<RealignmentPhotographs> photograph_displaced(const RealignmentBaseline& baseline,
                                                     const Installation& installation, const ScanSettings& settings,
                                                     const ScanDevices& devices, const ScanListener& listener,

@@ -14,17 +14,18 @@ constexpr std::size_t kMaxSamples = 2500;
 constexpr int kMaxRounds = 40;
 constexpr double kRobust_sigmas = 3.0;
 constexpr double kFloor_px = 0.1;  // Sigma of a sample: residual errors of the wall and lens models.
-// At a width of 1920 pixels. Wall and lens were fitted where the projector lit before and are a little worse beside it.
+// Maximum residual of an explanation, at a width of 1920 pixels. The wall and lens were fitted where the projector's
+// light fell before, and are slightly less accurate beside it.
 constexpr double kWorstFit_px = 0.7;
 constexpr double kWorseFit = 3.0;
-// A projector that was displaced beyond these limits was taken down. A turned lens looks much like a projector nearer
-// to the wall, so for such a displacement the lens is tried first, with kPositionPrior_m as the position's sigma.
+// Limits of a displacement; beyond them the projector was taken down. A turned lens looks much like a projector nearer
+// to the wall, so beyond these limits the lens is tried, with kPositionPrior_m as the position's sigma.
 constexpr double kMaxMoved_m = 0.3;
 constexpr double kMaxTurned_rad = 0.26;
 constexpr double kPositionPrior_m = 0.02;
 
-// Parameters: rotation (in the projector's frame), position, and of the lens: focal length (relative) and principal
-// point (in picture widths).
+// Parameters: rotation (in the projector's frame), position, relative focal length, and principal point (in picture
+// widths).
 constexpr int kPose = 6;
 constexpr int kWithLens = 9;
 constexpr double kNudge = 1e-6;
@@ -73,8 +74,8 @@ double trimmed_rms(const calibration::FittedProjector& projector, const std::vec
   return std::sqrt(sum / static_cast<double>(squares.size()));
 }
 
-/// Levenberg-Marquardt with Cauchy weights over the first `free` parameters. Writes the pose's covariance.
-/// `position_sigma_m` is the prior sigma of the position; 0: no prior.
+/// Fits the first `free` parameters by Levenberg-Marquardt with Cauchy weights, and the pose's covariance.
+/// `position_sigma_m` is the prior sigma of the position; 0 means no prior.
 std::optional<calibration::FittedProjector> fitted(const calibration::FittedProjector& from,
                                                    const std::vector<Sample>& samples, int free,
                                                    double position_sigma_m = 0.0) {
@@ -84,7 +85,7 @@ std::optional<calibration::FittedProjector> fitted(const calibration::FittedProj
   };
   calibration::FittedProjector best = from;
   double damping = 1e-6;
-  // The initial residuals may be large, so the weights' scale begins with theirs and decreases to that of the noise.
+  // The initial residuals may be large, so the weights' scale starts at their size and decreases to that of the noise.
   double scale_px = trimmed_rms(best, samples);
   for (int round = 0; round < kMaxRounds; ++round) {
     Matrix9 normal = Matrix9::Zero();
@@ -157,7 +158,7 @@ std::optional<calibration::FittedProjector> fitted(const calibration::FittedProj
 std::vector<Sample> samples_of(std::span<const solve::MapSample> seen, const InverseDepthAt& inverse_depth) {
   std::vector<Sample> samples;
   std::size_t every = std::max<std::size_t>(1, seen.size() / kMaxSamples);
-  if (every > 1 && every % 2 == 0) ++every;  // Usually coprime to the length of the lattice's rows.
+  if (every > 1 && every % 2 == 0) ++every;  // An odd stride is usually coprime to the length of the lattice's rows.
   for (std::size_t i = 0; i < seen.size(); i += every) {
     const double near = inverse_depth(seen[i].direction);
     if (!(near >= 0.0) || !std::isfinite(near)) continue;
@@ -193,7 +194,7 @@ std::optional<Displacement> find_displacement(const calibration::FittedProjector
   const std::vector<Sample> then = samples_of(old_places, inverse_depth);
   const std::vector<Sample> now = samples_of(seen, inverse_depth);
   if (then.size() < kMinSamples || now.size() < kMinSamples) return std::nullopt;
-  // Fits the old map with the same procedure, so that systematic errors of the fit cancel in the displacement.
+  // The old map is fitted by the same procedure, so that systematic errors of the fit cancel in the displacement.
   const auto stood = fitted(before, then, kPose);
   if (!stood) return std::nullopt;
   const auto stands = fitted(*stood, now, kPose);

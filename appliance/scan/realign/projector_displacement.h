@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Explains the new observations of a projector with the wall and lens that were fitted before: the projector was
-/// displaced (a rigid motion, six parameters), its lens was turned, or neither.
+/// Decides, from new observations and the wall and lens that were fitted before, whether a projector was displaced (a
+/// rigid motion, six parameters), its lens was turned, or neither.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,9 +14,9 @@
 namespace cyclorama::scan {
 
 enum class DisplacementVerdict {
-  kDisplaced,    ///< A rigid motion explains it.
-  kLensTurned,   ///< A rigid motion with another focal length and principal point explains it.
-  kUnexplained,  ///< The wall differs there, or something stands in the light.
+  kDisplaced,    ///< A rigid motion explains the observations.
+  kLensTurned,   ///< Only a rigid motion with another focal length and principal point explains them.
+  kUnexplained,  ///< Neither does: the wall has changed, or something stands in the light.
 };
 
 struct Displacement {
@@ -24,15 +24,16 @@ struct Displacement {
   calibration::FittedProjector projector;  ///< The new pose with its covariance; the lens is unchanged.
   double turned_rad = 0.0;                 ///< Rotation from the old pose.
   double moved_m = 0.0;                    ///< Translation of the centre from the old pose.
-  double before_px = 0.0;                  ///< RMS per axis that wall and lens left unexplained of the old map.
-  double after_px = 0.0;                   ///< The same of what is seen now.
-  double with_lens_px = 0.0;  ///< The same with a free focal length and principal point; 0 where it was not tried.
+  double before_px = 0.0;                  ///< RMS residual per axis of the old map.
+  double after_px = 0.0;                   ///< RMS residual per axis of the new observations.
+  double with_lens_px = 0.0;               ///< `after_px` with free focal length and principal point; 0 if not tried.
   double zoom = 1.0;          ///< Focal length of that trial, relative to the old one.
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  ///< Shift of the principal point in that trial.
 };
 
-/// `seen` holds pixels of the projector's picture with the directions in which the sweet spot sees them now. Returns
-/// nothing if there are too few or no pose fits them. Reentrant.
+/// Explains new observations of a projector. `before` and `map` are of the previous calibration. `seen` holds pixels of
+/// the projector's picture with the directions in which the sweet spot sees them now. Returns nothing if there are too
+/// few observations or no pose fits them. Reentrant.
 [[nodiscard]] std::optional<Displacement> find_displacement(const calibration::FittedProjector& before,
                                                             const calibration::MeasuredMap& map,
                                                             std::span<const solve::MapSample> seen,

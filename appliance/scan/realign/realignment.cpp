@@ -19,13 +19,13 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr const char* kRemark = "was measured anew alone: ";
-constexpr double kNearlyAll = 0.98;  // Fraction of a map above which no remark mentions the computed rest.
+constexpr double kNearlyAll = 0.98;  // If at least this fraction of a map was measured, no remark mentions the rest.
 
 void report_step(const ScanListener& listener, const std::string& step, double fraction) {
   if (listener) listener({step, fraction, nullptr});
 }
 
-/// Returns the geometric part of the result; nothing is written yet.
+/// Returns the geometric part of the result; writes nothing.
 RealignmentOutcome outcome_of(const RealignmentBaseline& baseline, const RealignmentPhotographs& photographs,
                               const NewMap& found) {
   RealignmentOutcome result;
@@ -87,7 +87,7 @@ void add_remarks(const RealignmentBaseline& baseline, RealignmentOutcome* result
   }
 }
 
-/// Writes the calibration with its light, then the report, whose failure does not invalidate the calibration.
+/// Writes the calibration with its masks and colours, then the report. A report that cannot be written is no error.
 Status write(const std::filesystem::path& folder, const std::optional<photometry::FollowedLight>& light,
              CalibrationOutcome* outcome) {
   std::vector<calibration::CalibrationPart> parts;

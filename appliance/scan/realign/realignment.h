@@ -16,29 +16,31 @@
 
 namespace cyclorama::scan {
 
-/// The result of a realignment, in addition to that of any calibration.
+/// Result of a realignment.
 struct RealignmentOutcome {
-  /// Same as the outcome of run_calibration(). Its registration is that of the displaced projector and its neighbours,
-  /// over correspondences that its map was not fitted to. If nothing has moved, it is the previous calibration and none
-  /// was written.
+  /// Outcome as of run_calibration(). The registration is that of the displaced projector and its neighbours, over
+  /// correspondences to which its map was not fitted. If nothing has moved, the calibration is the previous one, and
+  /// none was written.
   CalibrationOutcome outcome;
-  solve::MeasuredRegistration before;  ///< The same registration with the projector's previous map.
+  solve::MeasuredRegistration before;  ///< Registration over the same correspondences, with the projector's previous
+                                       ///< map.
   bool has_moved = false;
-  double turned_rad = 0.0;  ///< Rotation of the displacement; its translation follows.
+  double turned_rad = 0.0;  ///< Rotation of the displacement.
   double moved_m = 0.0;
-  double explained_px = 0.0;    ///< RMS per axis of what the displacement leaves unexplained.
+  double explained_px = 0.0;    ///< RMS residual per axis of the displacement.
   double camera_moved_m = 0.0;  ///< Distance of the camera from its calibrated position; 0 if not significant.
-  double seen_fraction = 0.0;   ///< Part of the map that was measured; the rest follows from the displacement.
-  bool has_colours = false;     ///< Masks and colours follow the new map.
+  double seen_fraction = 0.0;   ///< Measured fraction of the map; the displacement gives the rest.
+  bool has_colours = false;     ///< True if masks and colours were carried over to the new map.
 };
 
-/// All other projectors must stand as they were calibrated, and the camera about where it stood (to within a quarter of
-/// a degree beyond the turntable's error, and some centimetres). A map worse than the previous one is never taken.
-/// Errors: kNotFound if there is no calibration or it lacks that projector; kBadData, with the advice to calibrate all
-/// projectors, if the lens was turned, a displacement does not explain what is seen, other projectors have moved too,
-/// the camera is a different one or stands elsewhere, the projector no longer overlaps another, or the calibration
-/// lacks what is needed (wall, light); kUnavailable if the projector is dark or the call was cancelled; otherwise those
-/// of measure_view() and Turntable. Blocks for about ten seconds.
+/// Measures a displaced projector anew and saves a new calibration. Preconditions: all other projectors have their
+/// calibrated poses, and the camera stands about where it stood during the calibration (to within a quarter of a degree
+/// beyond the turntable's error, and some centimetres). A map worse than the previous one is never taken. Errors:
+/// kNotFound if there is no calibration or it lacks that projector; kBadData, with the advice to calibrate all
+/// projectors, if the lens was turned, no displacement explains the observations, other projectors have moved too, the
+/// camera is a different one or stands elsewhere, the projector no longer overlaps another, or the calibration lacks
+/// what is needed (wall, light); kUnavailable if the projector is dark or `stop` was requested; otherwise those of
+/// measure_view() and Turntable. Blocks for about ten seconds.
 Result<RealignmentOutcome> realign_projector(const Installation& installation, const std::string& projector,
                                              const ScanSettings& settings, const ScanDevices& devices,
                                              const std::filesystem::path& folder, const std::string& date,

@@ -11,15 +11,15 @@
 namespace cyclorama::scan {
 namespace {
 
-constexpr int kSteps = 4;             // Cancels the response's second harmonic; gamma curves have little of the third.
-constexpr float kExpected_px = 6.0f;  // Sigma of the prediction; replaced by the sine's phase where that can be read.
+constexpr int kSteps = 4;             // Per period; cancels the second harmonic, the strongest of a gamma curve.
+constexpr float kExpected_px = 6.0f;  // Sigma of the prediction, which the sine's phase replaces where it can be read.
 constexpr float kRead_px = 1.0f;      // Maximum sigma of a phase that counts as read.
 constexpr float kSaturated = 0.98f;
 constexpr float kBright = 0.5f;
 constexpr float kMinLight = 0.04f;
 constexpr double kMaxSaturated = 0.01;
 constexpr int kMaxExposures = 6;
-// Sigma of one photograph at one pixel, as Photo; cells of many pixels estimate their own.
+// Noise (sigma) of one photograph at one pixel, in units of Photo; averages over cells estimate their own sigma.
 constexpr double kNoise = 0.006;
 
 class ReferenceMeasuring {
@@ -37,7 +37,7 @@ class ReferenceMeasuring {
   Result<ReferenceView> run(double exposure_s, const structured_light::ExposureLimits& limits) {
     exposure_s_ = exposure_s;
     auto view = measured(limits);
-    // All projectors are made dark in every case; the first error counts.
+    // All projectors are made dark, also after an error; the first error is returned.
     for (const ReferenceProjector& reference : references_) {
       const Status dark = screen_.show(reference.projector, RgbImage());
       if (view && !dark) return dark.error();
@@ -88,7 +88,8 @@ class ReferenceMeasuring {
       } else if (*high < kBright) {
         next_s *= std::min(4.0, 0.8 / std::max(0.05, static_cast<double>(*high)));
       }
-      // Whole refreshes if it is at least one, since a projector may show its colours in sequence.
+      // An exposure of at least one refresh is rounded to whole refreshes, since a projector may show its colours in
+      // sequence.
       const double period_s = limits.projector_period.count();
       if (period_s > 0.0 && next_s >= period_s) next_s = std::floor(next_s / period_s + 1e-6) * period_s;
       next_s = std::clamp(next_s, limits.shortest.count(), limits.longest.count());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Photographs of the reference projectors, which were not displaced: all at once and with a few sines, because the
+/// Measures all reference projectors, which were not displaced, at once and with a few sines. This suffices because the
 /// calibration predicts to within some pixels which projector pixel each camera pixel sees.
 ///
 ///     white, black │ columns: 4 sines, shifted by a quarter of a period │ rows likewise     ten photographs
@@ -23,19 +23,19 @@ struct ReferenceProjector {
   int height_px = 0;
 };
 
-/// The pixel of a reference projector that each camera pixel should see. Both images have the camera's size.
+/// Expected pixel of a reference projector for each camera pixel. Both images have the camera's size.
 struct ExpectedReferences {
   Image<float, 2> pixel_px;
   Image<std::int16_t, 1> reference;  ///< Index of the reference projector; -1: none, more than one, or not used.
 };
 
 struct ReferenceView {
-  std::vector<solve::Correspondence> correspondences;  ///< Their `projector` is the reference projector's index.
+  std::vector<solve::Correspondence> correspondences;  ///< `projector` is an index into the references.
   int pictures = 0;
 };
 
-/// All projectors must be dark before the call, and are dark after it. The search for the exposure begins at
-/// `exposure_s`. Errors: those of measure_view(). Blocks.
+/// Measures the references. Precondition: all projectors are dark; they are dark again on return. The search for the
+/// exposure begins at `exposure_s`. Errors: those of measure_view(). Blocks.
 Result<ReferenceView> measure_references(const std::vector<ReferenceProjector>& references,
                                          const ExpectedReferences& expected, double exposure_s,
                                          const structured_light::ExposureLimits& limits, PatternScreen& screen,

@@ -16,7 +16,7 @@ std::optional<Eigen::Vector3d> wall_direction_from(const Eigen::Vector3d& centre
   const double length = along.norm();
   if (!(length > 0.0) || !centre_m.allFinite() || !std::isfinite(length)) return std::nullopt;
   const Eigen::Vector3d step = along / length;
-  // Negative in front of the wall, positive behind it.
+  // Returns a value that is negative in front of the wall and positive behind it.
   const auto beyond = [&](double s) {
     const Eigen::Vector3d position = centre_m + s * step;
     const double distance = position.norm();
@@ -36,7 +36,8 @@ std::optional<Eigen::Vector3d> wall_direction_from(const Eigen::Vector3d& centre
     if (high > kMaxDistanceM) return std::nullopt;
     at_high = beyond(high);
   }
-  // Regula falsi in the Illinois variant, which halves the value at a stagnant end: as safe as bisection, and faster.
+  // Regula falsi in the Illinois variant, which halves the value at an end that does not move: as safe as bisection,
+  // and faster.
   int stays = 0;
   double s = high;
   for (int round = 0; round < kMaxSteps && high - low > kOnTheWall * high; ++round) {

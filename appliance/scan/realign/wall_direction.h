@@ -7,7 +7,7 @@
 
 namespace cyclorama::scan {
 
-/// Inverse distance of the wall along a unit vector from the sweet spot, in 1/m; 0 or less where there is none.
+/// Inverse distance of the wall along a unit vector from the sweet spot, in 1/m; 0 or less where there is no wall.
 using InverseDepthAt = std::function<double(const Eigen::Vector3d&)>;
 
 /// Returns the direction in which the sweet spot sees the point where a ray from `centre_m` along `along` meets the

@@ -7,7 +7,8 @@
 namespace cyclorama::render {
 namespace {
 
-/// Columns are spaced evenly in the square root of the cosine, because values change faster towards grazing angles.
+/// Returns the cosine of a column. Columns are spaced evenly in the square root of the cosine, because values change
+/// faster towards grazing angles.
 float cosine_of(int column, int columns) {
   constexpr float kGrazing = 1e-4f;
   const float root = static_cast<float>(column) / static_cast<float>(columns - 1);
@@ -66,7 +67,7 @@ BounceAlbedo bounce_albedo(float cosine, float alpha) {
   return sum;
 }
 
-/// Returns the share that is lost.
+/// Returns the share of light that one bounce at the facets of glass loses.
 float glass_lost(float cosine, float alpha, float eta) {
   float sum = 0.0f;
   for_visible_normals(cosine, alpha, 14, [&](const Vec3& wo, const Vec3& h, const Microfacets& facets, float part) {

@@ -14,7 +14,7 @@
 namespace cyclorama::tools {
 namespace {
 
-/// Visible materials, and for each whether any of its meshes is partly transparent.
+/// For each material, whether it is visible, and whether any of its meshes is partly transparent.
 struct SeenMaterials {
   std::vector<bool> seen;
   std::vector<bool> blends;

@@ -35,7 +35,7 @@ struct Niche {
 
 /// Frame of a wall: `along` points to the right for a viewer who faces the wall; `inward` points into the room.
 struct WallFrame {
-  Vec3 origin;  ///< On the floor, at along = 0.
+  Vec3 origin;  ///< Point on the floor from which `along` is measured.
   Vec3 along;
   Vec3 inward;
   std::vector<Niche> niches;

@@ -40,7 +40,7 @@ Result<Grotto> plan_grotto(std::uint64_t triangles, std::uint32_t seed);
 using KeepGoing = std::function<bool(double)>;
 
 /// Computes all parts and writes each to a file of `sink`. The output depends on the grotto alone, not on `threads` (at
-/// least 1); it takes memory for some rows per thread. Blocks until all is written. Errors: those of the sink;
+/// least 1); generate() takes memory for some rows per thread. Blocks until all is written. Errors: those of the sink;
 /// kUnavailable if stopped.
 Status generate(const Grotto& grotto, GeometrySink& sink, int threads, const KeepGoing& keep_going);
 

@@ -50,7 +50,7 @@ Patch rough_face(const Vec3& corner, const Vec3& across, const Vec3& up, const V
 }
 
 const Vec3 kDarkRock{0.40f, 0.34f, 0.28f};
-const Vec3 kDaylit{0.70f, 0.75f, 0.78f};  ///< A white cloth hangs at the open end of the corridor.
+const Vec3 kDaylit{0.70f, 0.75f, 0.78f};  ///< Colour of the white cloth at the open end of the corridor.
 
 void add_corridor(std::uint32_t seed, std::vector<Patch>& patches) {
   // The mouth's edges are straight and identical to the wall's, so that there is no crack around the door.

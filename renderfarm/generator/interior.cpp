@@ -13,7 +13,7 @@
 namespace cyclorama::generator {
 namespace {
 
-// The hall: x across, z along it, y up; the origin is in the middle of the floor.
+// The hall: x across, z along the hall, y up; the origin is in the middle of the floor.
 constexpr float kHalfWidth = 7.0f;
 constexpr float kHalfLength = 11.0f;
 constexpr float kHeight = 6.0f;
@@ -241,7 +241,7 @@ std::vector<Patch> benches(std::uint32_t seed) {
   return patches;
 }
 
-/// Returns a black tray over a lamp. Its rim is in the lamp's plane, so that it is dark above the lamp in any renderer.
+/// Returns a black tray over a lamp. Its rim is in the lamp's plane, so that every renderer shows black above the lamp.
 Patch tray(const Vec3& middle, float side) {
   Patch patch;
   patch.width_m = side;

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A new folder; the destructor removes what its path names by then.
+/// A new folder; the destructor removes whatever is then at its path.
 class Scaffold {
  public:
   static Result<Scaffold> beside(const fs::path& target) {

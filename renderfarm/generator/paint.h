@@ -44,8 +44,8 @@ class Spot {
   Vec3 colour_;
 };
 
-/// Returns an approximate distance to an ellipse: exact on its outline, elsewhere wrong by at most the ratio of the
-/// radii.
+/// Returns an approximate distance to an ellipse: exact on its outline, elsewhere wrong by at most a factor of the
+/// ratio of the radii.
 [[nodiscard]] inline float ellipse(const Vec2& p, const Vec2& centre, const Vec2& radii) {
   const Vec2 q = (p - centre).cwiseQuotient(radii);
   return (q.norm() - 1.0f) * radii.minCoeff();

@@ -36,12 +36,12 @@ class RayCamera {
  public:
   /// Creates the camera of a panorama of one pixel.
   RayCamera();
-  /// Precondition: projection.validate(). `heading_rad` is the heading of the Eye frame in the render frame.
+  /// Precondition: projection.validate() succeeds. `heading_rad` is the heading of the Eye frame in the render frame.
   RayCamera(const Projection& projection, double heading_rad);
 
-  /// True if any origin differs from zero.
+  /// Returns true if the origin of any ray differs from zero.
   [[nodiscard]] bool moves_eye() const { return s_.moves; }
-  /// True if some pixels may have no ray.
+  /// Returns true if some pixels may have no ray.
   [[nodiscard]] bool leaves_out_pixels() const { return s_.kind == Kind::kFisheye; }
 
   /// Computes the rays of `count` positions, which are in pixels of the whole picture. Returns the number of rays that

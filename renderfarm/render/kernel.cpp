@@ -18,7 +18,7 @@ constexpr float kFar = std::numeric_limits<float>::infinity();
 /// Start of camera rays. Excludes only the distance 0, so that an eye exactly in a lamp's plane does not see the lamp's
 /// black back.
 constexpr float kNotAtTheEye = 1e-30f;
-/// Samples of a pixel that are traced together: one packet.
+/// Maximum number of samples of a pixel that are traced together: one packet.
 constexpr int kMaxPacketSamples = kPacketRays;
 
 constexpr std::uint32_t even_bits(std::uint32_t v) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Traces the paths of a cell of pixels. The shading stage is compiled once for each surface level, without the code of
-/// higher levels; the scene's level selects one of them.
+/// higher levels; the scene's level selects the one that is used.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ namespace cyclorama::render {
 /// tiling.
 inline constexpr int kCellPx = 16;
 inline constexpr int kCellPixels = kCellPx * kCellPx;
-inline constexpr int kDepthsPerSide = kCellPx / kDepthCellPx;  ///< Cells of depth along each side of a cell.
+inline constexpr int kDepthsPerSide = kCellPx / kDepthCellPx;  ///< Number of cells of depth along each side of a cell.
 inline constexpr int kCellDepths = kDepthsPerSide * kDepthsPerSide;
 static_assert(kCellPx % kDepthCellPx == 0, "no cell of depth may lie in two cells");
 
@@ -54,7 +54,7 @@ struct CellFilm {
   std::array<Vec3, kCellPixels> sum;
   std::array<float, kCellPixels> square;  ///< Sum of squared luminance.
   std::array<std::int32_t, kCellPixels> samples;
-  std::array<Vec3, kCellPixels> albedo;  ///< Sum, as are `normal` and `distance`.
+  std::array<Vec3, kCellPixels> albedo;  ///< Sum over the samples, as are `normal` and `distance`.
   std::array<Vec3, kCellPixels> normal;
   std::array<float, kCellPixels> distance;
   std::array<bool, kCellPixels> active;  ///< Pixels that need more samples.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Panes: thin, smooth glass, such as that of a display case. Light crosses a pane in a straight line, so shadow rays
-/// may cross it too; its reflection and absorption attenuate them. Without this, an object behind glass is lit only by
-/// scattered rays that happen to hit a lamp, and never by a lamp without size.
+/// may cross it too, attenuated by the reflection and absorption of the glass. If they did not, an object behind glass
+/// is lit only by scattered rays that happen to hit a lamp, and never by a lamp without size.
 #pragma once
 
 #include "renderfarm/render/path_batch.h"

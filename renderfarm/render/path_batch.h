@@ -17,7 +17,7 @@ struct Path {
   Vec3 indirect = Vec3::Zero();      ///< Radiance of all longer paths.
   std::uint32_t index_reversed = 0;  ///< Identifies the path's random numbers, together with `seed`; see sampler.h.
   std::uint32_t seed = 0;
-  int pixel = 0;  ///< Index in the cell.
+  int pixel = 0;  ///< Index of the pixel in the cell.
 };
 
 /// The most recent ray of a path.
@@ -27,11 +27,11 @@ struct PathRay {
   float pdf = 0.0f;
   Vec3 from_normal = Vec3::Zero();  ///< Normal at its start; used with `pdf` to weight hits against light sampling.
   float cone_width = 0.0f;          ///< Width of the sample's cone at its start, in metres.
-  Vec3 absorption = Vec3::Zero();   ///< Per metre, of the medium that it crosses.
+  Vec3 absorption = Vec3::Zero();   ///< Per metre, of the medium that the ray crosses.
   float cone_spread = 0.0f;         ///< Spread of the cone, in radians.
   std::uint16_t path = 0;
-  std::uint8_t scatterings = 0;  ///< Scatterings at surfaces that are neither mirror nor clear.
-  std::uint8_t surfaces = 0;     ///< Number of surfaces of any kind.
+  std::uint8_t scatterings = 0;  ///< Number of scatterings so far at surfaces that are neither mirror nor clear.
+  std::uint8_t surfaces = 0;     ///< Number of surfaces of any kind that the path has met.
   /// Value of `surfaces` where the ray's direction was chosen: panes (pane.h) on the way change neither this value nor
   /// `pdf`.
   std::uint8_t aimed_surfaces = 0;

@@ -37,7 +37,7 @@ struct RenderQuality {
 
 /// Checks all parameters. Errors: kInvalidArgument, naming the parameter and its range.
 [[nodiscard]] Status validate(const RenderQuality& quality);
-/// Checks one parameter, with the same error; NaN is outside every range.
+/// Checks one parameter; NaN is outside every range. Errors: see validate().
 [[nodiscard]] Status check_knob(const char* knob, double value, double min, double max);
 
 }  // namespace cyclorama::render

@@ -71,7 +71,7 @@ void write_depth(const TraceCell& cell, const CellPart& part, const CellFilm& fi
   }
 }
 
-/// Working memory of one thread: too large for its stack, and too slow to allocate for every cell.
+/// Working memory of one thread. It is too large for the stack, and allocating it for every cell is too slow.
 struct Workspace {
   PathBatch batch;
   CellFilm film;

@@ -81,7 +81,7 @@ class Renderer {
   /// Renders `rect` of the view into `ret_pixels`, which is resized to the rect; the result is tone mapped sRGB. Stops
   /// early and leaves the remaining pixels black once `cancelled` (may be null) returns true; it is called once per
   /// 16x16 cell, from any thread. A rect inside one cell is rendered by the calling thread. `ret_depth` (may be null)
-  /// becomes the depth of the cells that the rect touches, like Film::depth. Precondition: check_view().
+  /// becomes the depth of the cells that the rect touches, like Film::depth. Precondition: check_view() succeeds.
   RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                     const std::function<bool()>& cancelled, InverseDepthImage* ret_depth = nullptr) const;
   /// Renders the samples, exposed but not tone mapped, into `ret_film`, which is recreated in the rect's size.
@@ -107,7 +107,7 @@ class Renderer {
   [[nodiscard]] const light::LightStore* light() const;  ///< Null if there is none.
   /// Returns everything that the kernels read, for light_baking, which traces rays itself.
   [[nodiscard]] const TraceScene& traced() const;
-  [[nodiscard]] SurfaceLevel surface_level() const;     ///< The highest of the scene's materials.
+  [[nodiscard]] SurfaceLevel surface_level() const;     ///< The highest level of the scene's materials.
   [[nodiscard]] const Eigen::Vector3d& origin() const;  ///< The render frame's origin, in the Scene frame.
 
   [[nodiscard]] const scene::Scene& scene() const;

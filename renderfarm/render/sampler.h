@@ -82,7 +82,7 @@ struct SobolPoint {
   return {to_unit_float(u), to_unit_float(v)};
 }
 
-/// Returns the first coordinate only.
+/// Returns only the first coordinate of sobol_point().
 [[nodiscard]] constexpr float sobol_value(std::uint32_t index_reversed, std::uint32_t seed, std::uint32_t dimension) {
   const std::uint32_t own_seed = mix_bits(seed + 0x9e3779b9u * (dimension + 1));
   const std::uint32_t index = reversed_bits(scrambled_reversed(index_reversed, own_seed));

@@ -272,7 +272,7 @@ class Shade {
   /// Adds the light of the lamp at the eye. Its shadows are hidden from the eye by the objects that cast them, so
   /// surfaces that camera rays hit need no shadow ray.
   void shine_eye_lamp(int i, const PathRay& ray, const SurfacePoint& point, const Scatter& scattering, const Vec3& wo) {
-    // Limits the light on near surfaces, because the lamp is beside the eye.
+    // Limits the light on near surfaces, because the lamp is beside the eye, not at it.
     constexpr float kMinDistance2 = 0.05f * 0.05f;
     if (scene_.eye_lamp.isZero(0.0f)) return;
     const Vec3 offset = view_.eye - point.position;

@@ -44,7 +44,8 @@ class TexelReader {
   const Footprint& footprint_;
 };
 
-/// Multiplies the base colour in `texels` by its texture, and sets the other values that kLevel needs from theirs.
+/// Multiplies the base colour in `texels` by its texture, and sets the other values that kLevel needs from their
+/// textures.
 template <SurfaceLevel kLevel>
 void read_texels(const SurfaceMaterial& material, const TexelReader& reader, SurfaceTexels* texels) {
   const scene::Material& source = *material.source;

@@ -19,8 +19,8 @@ constexpr float kPlacementRoundings = 8.0f * kUnit;
 /// corners.
 constexpr float kExtentRoundings = 16.0f * kUnit;
 
-/// Returns the next float in the direction of `direction`'s sign, so that the rounding of a sum cannot undo it. Equals
-/// std::nextafter without the function call.
+/// Returns the next float after `value` in the direction of `direction`'s sign, which makes up for the rounding of a
+/// sum. Equals std::nextafter without the function call.
 float stepped(float value, float direction) {
   if (direction == 0.0f || !(std::abs(value) > std::numeric_limits<float>::min())) return value;
   const auto bits = std::bit_cast<std::uint32_t>(value);

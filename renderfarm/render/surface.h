@@ -52,8 +52,8 @@ struct SurfacePoint {
   return to_vec3(sum);
 }
 
-/// The area of a surface that one sample covers: a ray with a width. Source: Akenine-Möller et al., "Improved Shader
-/// and Texture Level of Detail Using Ray Cones", JCGT 10(1), 2021.
+/// The area of a surface that one sample covers, described by the width of its ray. Source: Akenine-Möller et al.,
+/// "Improved Shader and Texture Level of Detail Using Ray Cones", JCGT 10(1), 2021.
 struct Footprint {
   /// Width of the cone across the ray, where it hits, in metres. Zero selects level 0 of every texture.
   float width = 0.0f;
@@ -61,8 +61,8 @@ struct Footprint {
 };
 
 /// Returns the level of `texture` for lookup() whose texels are as large as `footprint` on the triangle, measured along
-/// its longer side. Independent of the scene's scale and units. Not above 0 if the texture has no extent; infinite (the
-/// coarsest level) if the triangle has no area.
+/// its longer side. The level does not depend on the scene's scale and units. It is at most 0 if the texture has no
+/// extent, and infinite (the coarsest level) if the triangle has no area.
 [[nodiscard]] float lod_of(const TriangleHit& hit, const scene::TextureUse& use, const MipTexture& texture,
                            const Footprint& footprint);
 

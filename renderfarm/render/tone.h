@@ -46,7 +46,7 @@ class ToneTable {
   }
 
  private:
-  static constexpr int kShift = 16;  // Steps of 1/128 of the light, which contain one or two codes each.
+  static constexpr int kShift = 16;  // Keeps 7 bits of the mantissa: steps of 1/128, with one or two codes each.
   /// Code of the darkest light for each value of the leading bits.
   std::array<std::uint8_t, std::size_t{1} << (31 - kShift)> first_{};
   std::array<float, 257> min_{};  ///< Darkest light of each code, then NaN.

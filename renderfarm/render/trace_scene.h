@@ -24,7 +24,7 @@ class SplatScene;
 /// A material with its resolved textures.
 struct SurfaceMaterial {
   const scene::Material* source = nullptr;
-  const MipTexture* base_colour = nullptr;  ///< Null if there is none, like the other textures.
+  const MipTexture* base_colour = nullptr;  ///< Null if there is none, as for all textures here.
   const MipTexture* metallic_roughness = nullptr;
   const MipTexture* normal = nullptr;
   const MipTexture* emissive = nullptr;
@@ -36,11 +36,11 @@ struct SurfaceMaterial {
   const MipTexture* transmission = nullptr;
   Vec3 absorption = Vec3::Zero();  ///< Per metre, in a body of glass.
   SurfaceLevel level = SurfaceLevel::kMatte;
-  bool blends = false;   ///< Some of it is transparent.
-  bool cut_out = false;  ///< It has holes.
-  /// It shows only its colour times the light that arrives: it is matte, without emission or a normal map.
+  bool blends = false;   ///< Some of the material is transparent.
+  bool cut_out = false;  ///< The material has holes.
+  /// The material shows only its colour times the light that arrives: it is matte, without emission or a normal map.
   bool plain = false;
-  bool pane = false;     ///< Shadow rays cross it: see pane.h.
+  bool pane = false;  ///< Shadow rays cross the material: see pane.h.
 };
 
 /// Borrows the arrays of one Mesh. A pointer is null where the mesh has no such array.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The XML section of an E57 file: reads elements, attributes and texts, and no other part of XML.
+/// Reader of the XML section of an E57 file. It supports elements, attributes and texts, and no other part of XML.
 #pragma once
 
 #include <cstddef>

@@ -11,8 +11,8 @@
 
 namespace cyclorama::scene {
 
-/// Maximum width. At 4096 texels, each spans 0.09 degrees; visitors see no more detail in a wider map, which would only
-/// take memory.
+/// Maximum width, at which a texel spans 0.09 degrees. Visitors see no more detail in a wider map, which only takes
+/// memory.
 inline constexpr int kMaxEnvironmentWidthPx = 4096;
 
 /// Returns the map at half its size, rounded up. Each texel is the mean of the texels that it replaces, weighted by

@@ -11,8 +11,8 @@ struct Facings {
   /// Area that faces the axis's positive end minus the area that faces its negative end.
   Eigen::Vector3d surplus = Eigen::Vector3d::Zero();
 
-  /// True if the model is open and shows its back to a viewer on the axis's positive side. The surplus of a closed body
-  /// is 0.
+  /// Returns true if the model is open and shows its back to a viewer on the axis's positive side. The surplus of a
+  /// closed body is 0.
   [[nodiscard]] bool shows_back(Eigen::Index axis) const { return surplus[axis] < -0.5 * both[axis]; }
 };
 

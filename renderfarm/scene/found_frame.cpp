@@ -13,7 +13,7 @@
 namespace cyclorama::scene {
 namespace {
 
-constexpr double kMetresUpTo = 30.0;           ///< A larger object may have another unit.
+constexpr double kMetresUpTo = 30.0;           ///< Length up to which files are taken to be in metres.
 constexpr double kMillimetresBeyond = 2000.0;  ///< Larger than any site that a visitor walks through, in metres.
 constexpr double kMinRoomM = 2.0;
 constexpr double kMaxRoomM = 15.0;

@@ -65,7 +65,7 @@ double heading_before(const Model& model, const Eigen::Vector3d& size) {
 
 FoundSettings before_object(const Model& model, const Eigen::AlignedBox3d& bounds,
                             const std::optional<Eigen::Vector3d>& eye) {
-  // Keep the object between tangents of -0.5 and 0.3, as on a wall that is 2.6 m high and 3 m away.
+  // These distances keep the object between tangents of -0.5 and 0.3, as on a wall that is 2.6 m high and 3 m away.
   constexpr double kDistanceByHeight = 1.3;
   constexpr double kDistanceByWidth = 0.8;
   // Viewing distance of an object as tall as a person; steps have their usual length at this distance.

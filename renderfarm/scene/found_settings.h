@@ -30,8 +30,8 @@ struct FoundSettings {
   double free_m = 0.0;                    ///< For rooms: distance to the nearest surface at eye height, at most 3 m.
 };
 
-/// Derives the settings; if `eye` is given, it is kept and the others are derived for it. Precondition: `bounds` is
-/// bounds_of(model) and not empty. Metres, y up. Reentrant.
+/// Derives the settings; if `eye` is given, it is kept and the other settings are derived for it. Precondition:
+/// `bounds` is bounds_of(model) and not empty. Lengths are in metres, and y points up. Reentrant.
 [[nodiscard]] FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bounds,
                                           const std::optional<Eigen::Vector3d>& eye);
 

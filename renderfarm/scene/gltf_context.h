@@ -36,7 +36,7 @@ class GltfBudget {
 
  private:
   static constexpr std::size_t kFreeBytes = std::size_t{4} << 30;
-  static constexpr std::size_t kBytesPerStored = 64;  ///< A triangle takes about 1 byte in Draco and 40 bytes decoded.
+  static constexpr std::size_t kBytesPerStored = 64;  ///< For example, a triangle takes 1 byte in Draco and 40 decoded.
 
   std::size_t limit_bytes_;
   std::size_t left_bytes_;

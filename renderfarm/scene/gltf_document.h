@@ -44,7 +44,7 @@ class GltfDocument {
   /// the key is absent.
   Result<std::optional<std::size_t>> index(const GltfObject& from, const char* key, const char* list) const;
   Result<std::size_t> required_index(const GltfObject& from, const char* key, const char* list) const;
-  /// Precondition: `index` came from index().
+  /// Returns an item of the root's array `list`. Precondition: `index` came from index().
   Result<GltfObject> item(const char* list, std::size_t index) const;
 
   /// Returns a buffer view, which is valid as long as the document. Errors: kNotFound, kSystem or kBadData for the file
@@ -58,7 +58,7 @@ class GltfDocument {
   explicit GltfDocument(std::unique_ptr<State> state);
   /// Returns the bytes that `buffer`, `byteOffset` and `byteLength` of `from` select.
   Result<std::span<const std::byte>> part_of_buffer(const GltfObject& from);
-  /// Decodes a buffer view as its EXT_meshopt_compression states; does so only once.
+  /// Returns a buffer view that EXT_meshopt_compression compressed; it is decoded only once.
   Result<std::span<const std::byte>> decompressed(std::size_t view, const GltfObject& meshopt);
   Result<std::span<const std::byte>> buffer(std::size_t index);
   Result<std::span<const std::byte>> load_buffer(const GltfObject& buffer, std::size_t index);

@@ -22,15 +22,15 @@ struct GltfDracoPromise {
 /// One decoded primitive. Move-only, thread-bound.
 class GltfDracoMesh {
  public:
-  /// `extension` is the primitive's KHR_draco_mesh_compression object. Errors: kBadData if the data is damaged or
-  /// exceeds the budget.
+  /// Decodes a primitive; `extension` is its KHR_draco_mesh_compression object. Errors: kBadData if the data is damaged
+  /// or exceeds the budget.
   static Result<GltfDracoMesh> decode(GltfDocument* document, const GltfObject& extension,
                                       const GltfDracoPromise& promise, GltfBudget* budget);
   GltfDracoMesh(GltfDracoMesh&&) noexcept;
   GltfDracoMesh& operator=(GltfDracoMesh&&) noexcept;
   ~GltfDracoMesh();
 
-  /// Precondition: the caller has charged the budget for the triangles.
+  /// Returns the triangles. Precondition: the caller has charged the budget for them.
   [[nodiscard]] GltfTriangles triangles() const;
   /// Returns an attribute; nothing if `semantic` (such as "POSITION") is not compressed. `shape` is that of its
   /// accessor.

@@ -40,7 +40,7 @@ class GltfObject {
   /// Returns the optional "name" of an object. It is never an error, because only people read it.
   [[nodiscard]] std::string name() const;
   Result<std::optional<GltfObject>> object(const char* key) const;
-  /// Returns extensions.NAME.
+  /// Returns the member `name` of the object "extensions".
   Result<std::optional<GltfObject>> extension(const char* name) const;
   /// Returns an array; empty if the key is absent.
   Result<GltfArray> array(const char* key) const;

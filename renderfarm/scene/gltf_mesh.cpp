@@ -31,7 +31,7 @@ Status read_vertices(const GltfPrimitive& primitive, const GltfSelection& select
   TRY_ASSIGN(const std::optional<GltfAccessor> normals, primitive.attribute("NORMAL", GltfVertexKind::kNormal));
   if (normals) TRY(read_normals(*normals, selection, context, mesh));
   const bool normal_mapped = material.normal_texture.texture >= 0 || material.clearcoat_normal_texture.texture >= 0;
-  if (normals && normal_mapped) {  // By glTF, tangents without normals are ignored.
+  if (normals && normal_mapped) {  // In glTF, tangents without normals are ignored.
     TRY_ASSIGN(const std::optional<GltfAccessor> tangents, primitive.attribute("TANGENT", GltfVertexKind::kTangent));
     if (tangents) TRY(read_tangents(*tangents, selection, context, mesh));
   }

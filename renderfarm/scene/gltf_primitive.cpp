@@ -49,7 +49,7 @@ Result<std::optional<GltfPrimitive>> GltfPrimitive::open(GltfDocument* document,
 Status GltfPrimitive::open_draco(const GltfObject& extension) {
   TRY_ASSIGN(const std::size_t indices, document_->required_index(object_, "indices", "accessors"));
   TRY_ASSIGN(const GltfAccessorShape shape, read_accessor_shape(*document_, indices));
-  // Draco encodes only triangles. The extension also allows it for strips, but then the count of the accessor does not
+  // Draco encodes only triangles. The extension also allows strips, but then the count of the accessor does not
   // determine the number of triangles.
   if (topology_ != GltfTopology::kTriangles) {
     return object_.damaged("mode", "Draco data of strips and fans is not supported");

@@ -86,7 +86,7 @@ std::uint8_t alpha8(float alpha) {
   return static_cast<std::uint8_t>(std::clamp(std::isnan(alpha) ? 1.0f : alpha, 0.0f, 1.0f) * 255.0f + 0.5f);
 }
 
-/// Table of the sRGB codes of 16-bit linear light, which is fast; codes differ from exact ones at most by rounding.
+/// Table of the sRGB codes of 16-bit linear light, for speed. Its codes differ from exact ones at most by rounding.
 class SrgbTable {
  public:
   SrgbTable() : codes_(kSteps + 1) {

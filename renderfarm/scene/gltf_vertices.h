@@ -9,9 +9,10 @@
 
 namespace cyclorama::scene {
 
+/// Kind of vertex data.
+enum class GltfVertexKind { kPosition, kNormal, kTangent, kTexcoord, kColour, kJoints, kWeights };
 /// Checks that `accessor` has a width and a component type that the specification allows for this kind of data, with or
 /// without KHR_mesh_quantization (`quantized`). Sources: glTF 2.0, table 3.7.2.1; KHR_mesh_quantization, "Extending".
-enum class GltfVertexKind { kPosition, kNormal, kTangent, kTexcoord, kColour, kJoints, kWeights };
 Status check_vertex_format(const GltfAccessor& accessor, GltfVertexKind kind, bool quantized);
 
 // Each of these functions charges the budget, reads `selection` and does not change other parts of the mesh.

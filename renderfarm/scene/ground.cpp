@@ -79,7 +79,7 @@ std::vector<Eigen::Vector2d> walkable_outline(const SpaceGrid& grid, const Stand
   const Eigen::Vector3i start = grid.cell_of(standing.eye);
   const CellSet free = free_columns(grid, standing);
   if (!free.has(start.x(), start.z())) return {};
-  // If the start is nearer to a wall, the greatest possible distance from walls is kept instead.
+  // Distance from walls, in cells. If the start is nearer to a wall, the greatest possible distance is used instead.
   int distance = std::max(1, static_cast<int>(std::ceil(kWallDistanceM / grid.cell_m())));
   CellSet roomy = eroded(free, distance);
   while (!roomy.has(start.x(), start.z())) roomy = eroded(free, --distance);

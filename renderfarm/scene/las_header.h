@@ -17,7 +17,7 @@ struct LasHeader {
   std::uint8_t format = 0;        ///< Format of the points, 0 to 10.
   std::size_t point_bytes = 0;    ///< Distance between points, in bytes.
   std::size_t first_point = 0;    ///< Offset in the file.
-  std::uint64_t point_count = 0;  ///< All of these points are in the file.
+  std::uint64_t point_count = 0;  ///< Number of points, all of which are in the file.
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
   std::size_t colour_offset = 0;  ///< Offset in a point; 0 for formats without colours.

@@ -15,9 +15,9 @@ namespace cyclorama::scene {
 namespace {
 
 constexpr std::size_t kIntensity = 12;
-/// In formats 6 and up; in lower formats this byte contains the class and the flags.
+/// Offset of the flags in formats 6 and up; in lower formats this byte contains the class and the flags.
 constexpr std::size_t kFlags = 15;
-constexpr std::size_t kClass = 16;  ///< In formats 6 and up.
+constexpr std::size_t kClass = 16;  ///< Offset of the class in formats 6 and up.
 
 /// Access to the points of a file by number. Borrows the file.
 class LasPoints {

@@ -11,7 +11,7 @@
 
 namespace cyclorama::scene {
 
-/// Coordinates from which values, in the file's unit, count as not finite, because their squares would overflow in
+/// Magnitude, in the file's unit, from which coordinates count as not finite, because their squares would overflow in
 /// float.
 inline constexpr double kMaxCoordinate = 1e15;
 

@@ -23,7 +23,7 @@ struct Texture {
   RgbaImage pixels;
   WrapMode wrap_u = WrapMode::kRepeat;
   WrapMode wrap_v = WrapMode::kRepeat;
-  bool nearest = false;  ///< Sample the nearest texel instead of interpolating.
+  bool nearest = false;  ///< The nearest texel is sampled, without interpolation.
 };
 
 /// A material's use of a texture. (u, v)' = transform * (u, v, 1); v increases downwards from the first row.
@@ -122,7 +122,8 @@ struct Light {
   Eigen::Vector3d direction = -Eigen::Vector3d::UnitY();
   /// Direction of a rectangle's width; unit length, not parallel to `direction`.
   Eigen::Vector3d across = Eigen::Vector3d::UnitX();
-  /// Linear colour times candela (point, spot), lux (directional), or nits: the radiance (rectangle, disk).
+  /// Linear colour times candela (point, spot), lux (directional) or nits (rectangle, disk); nits are the unit of
+  /// radiance.
   Eigen::Vector3f intensity = Eigen::Vector3f::Ones();
   Eigen::Vector2d size_m = Eigen::Vector2d::Zero();  ///< Rectangle: width and height.
   /// Radius of the sphere or disk; for directional lights, tangent of the angular radius.

@@ -38,7 +38,7 @@ std::optional<float> number(std::string_view* rest, float min, float max) {
   return std::clamp(static_cast<float>(std::clamp(*value, -1e30, 1e30)), min, max);
 }
 
-/// Reads a colour; one number stands for all three.
+/// Reads a colour; a single number stands for all three components.
 std::optional<Eigen::Vector3f> colour(std::string_view rest, float max) {
   Eigen::Vector3f rgb;
   for (int i = 0; i < 3; ++i) {

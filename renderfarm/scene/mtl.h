@@ -61,7 +61,7 @@ class MtlLibrary {
   std::map<std::string, Entry, std::less<>> known_;
   std::map<std::string, int, std::less<>> used_;  ///< Maps names to indices in `in_use_`.
   std::vector<Entry> in_use_;
-  std::map<std::string, int> textures_;  ///< Keyed by file name; -1 if it cannot be read.
+  std::map<std::string, int> textures_;  ///< Texture index by file name; -1 if the file cannot be read.
   std::size_t texture_bytes_ = 0;
   std::vector<std::string> notes_;
 };

@@ -23,7 +23,7 @@ struct ObjCorner {
 
 /// The lists to which the faces of an OBJ file refer.
 struct ObjLists {
-  std::vector<Eigen::Vector3d> positions;            ///< Double; ObjMesh::finish() makes them relative to an origin.
+  std::vector<Eigen::Vector3d> positions;            ///< In double; ObjMesh::finish() makes them relative to an origin.
   std::vector<std::array<std::uint8_t, 3>> colours;  ///< Either empty or one per position.
   std::vector<std::array<float, 2>> texcoords;       ///< v increases downwards.
   std::vector<std::array<float, 3>> normals;
@@ -36,7 +36,7 @@ class ObjMesh {
  public:
   explicit ObjMesh(int material) : material_(material) {}
 
-  /// Precondition: all indices of the corners are inside the lists that finish() receives.
+  /// Adds a triangle. Precondition: all indices of its corners are inside the lists that finish() receives.
   void add_triangle(const std::array<ObjCorner, 3>& corners);
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
   /// Returns the memory of this object and of the Mesh that finish() will return.

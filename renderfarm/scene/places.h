@@ -18,9 +18,9 @@ inline constexpr double kEyeHeightM = 1.6;
 /// The view from a place in its best direction. Surfaces and ground are measured as shares of a picture.
 struct PlaceView {
   double heading_rad = 0.0;
-  double seen = 0.0;     ///< Share of surfaces seen from their front.
-  double near = 0.0;     ///< Share of surfaces nearer than a step.
-  double ground = 0.0;   ///< Share of directions with ground at the visitor's feet.
+  double seen = 0.0;     ///< Share of the picture that shows surfaces from their front.
+  double near = 0.0;     ///< Share of the picture with surfaces nearer than a step.
+  double ground = 0.0;   ///< Share of all horizontal directions with ground at the visitor's feet.
   double depth_m = 0.0;  ///< Mean distance of the surfaces, each counted as at most 15 m.
 
   [[nodiscard]] double score() const;
@@ -36,7 +36,7 @@ struct Place {
   double nearest_m = 0.0;
   double mean_m = 0.0;
   double view_heading_rad = 0.0;  ///< Heading of the longest view.
-  double walkable_m2 = 0.0;       ///< Set by find_places() only.
+  double walkable_m2 = 0.0;       ///< Set only by find_places().
 
   static constexpr int kDirections = 32;
   [[nodiscard]] bool is_inside_solid() const { return 2 * from_behind > walls; }

@@ -34,7 +34,7 @@ struct PlyElement {
   std::uint64_t count = 0;
   std::vector<PlyProperty> properties;
 
-  /// Minimum size in bytes of one row in the file, with empty lists.
+  /// Returns the minimum size in bytes of one row in the file, with empty lists.
   [[nodiscard]] std::size_t min_row_bytes(PlyEncoding encoding) const;
 };
 

@@ -48,7 +48,7 @@ class PointCloud {
 };
 
 /// Factor that converts colours or intensities to bytes, from a histogram of all values, because files use any range.
-/// White is the value below which are all but one fiftieth of the values.
+/// The value that only one in fifty exceeds becomes white.
 class BrightnessScale {
  public:
   void count(std::uint16_t value) { ++histogram_[value]; }

@@ -48,7 +48,8 @@ struct SceneInfo {
   std::vector<SceneTourStop> stops;
 };
 
-/// A value (large: move it). Model's invariants hold; instances and lights are in the Scene frame, in metres.
+/// A value, which is large and should be moved. Model's invariants hold; instances and lights are in the Scene frame,
+/// in metres.
 struct Scene {
   SceneInfo info;
   Model model;
@@ -58,7 +59,7 @@ struct Scene {
   Eigen::Vector3f ambient = Eigen::Vector3f::Zero();
   /// Lamp that the visitor carries at the eye, in candela; zero for none.
   Eigen::Vector3f eye_lamp = Eigen::Vector3f::Zero();
-  double exposure = 1.0;  ///< Factor on radiance before it becomes a code value.
+  double exposure = 1.0;  ///< Factor by which radiance is multiplied before tone mapping.
   ToneCurve tone = ToneCurve::kShoulder;
   int bounces = kUsualBounces;  ///< RenderQuality::bounces of this scene's reference picture.
   Eigen::AlignedBox3d bounds;

@@ -19,7 +19,7 @@ struct PackageGeometry {
   std::filesystem::path file;
   double unit_m = 1.0;
   bool z_up = false;
-  /// Placements, at least one; the part frame is the file's in metres, y up.
+  /// Placements; at least one. The part frame is that of the file, in metres with y up.
   std::vector<Eigen::Affine3d> T_scene_part;
 };
 

@@ -25,7 +25,7 @@ struct SplatCloud {
   std::vector<std::array<float, 3>> positions;
   std::vector<std::array<float, 3>> scales;     ///< Standard deviations along the splat's axes.
   std::vector<std::array<float, 4>> rotations;  ///< w, x, y, z; from the splat's axes to the cloud's.
-  std::vector<float> opacities;                 ///< At the centre.
+  std::vector<float> opacities;                 ///< Opacity at the centre.
   int degree = 0;                               ///< Degree of the spherical harmonics, 0 to kMaxSplatDegree.
   /// RGB for each coefficient of each splat, sorted by degree and then by order, with the signs of the original
   /// program.
@@ -68,7 +68,7 @@ struct Mesh;
 /// for the splats where surfaces are needed, as in the search for a standing position.
 [[nodiscard]] Mesh shape_of(std::span<const SplatCloud> clouds);
 
-/// Colour per unit of the coefficient of degree 0, whose zero is a colour of 0.5.
+/// Change of colour per unit of the coefficient of degree 0; a coefficient of 0 gives a colour of 0.5.
 inline constexpr double kSplatColourScale = 0.28209479177387814;
 [[nodiscard]] inline float coefficient_of(double colour) {
   return static_cast<float>((colour - 0.5) / kSplatColourScale);

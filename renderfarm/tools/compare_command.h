@@ -15,7 +15,7 @@ struct LightErrors {
 };
 
 struct Comparison {
-  /// Only for two PFM files, because code values do not contain the light above white.
+  /// Set only for two PFM files, because code values do not contain the light above white.
   std::optional<LightErrors> light;
   quality::ShownError shown;
 };

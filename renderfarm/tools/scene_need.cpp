@@ -34,7 +34,7 @@ SeenMaterials seen_materials(const scene::Model& model) {
   return found;
 }
 
-/// "2 materials: 'gold' (metal), 'tile'".
+/// Builds texts such as "2 materials: 'gold' (metal), 'tile'".
 class MaterialList {
  public:
   void add(const scene::Material& material, const char* why = "") {

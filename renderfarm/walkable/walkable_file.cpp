@@ -33,8 +33,7 @@ struct Line {
   bool is_header = false;
 };
 
-/// Tracks brackets, quotes and comments from line to line. Precondition: the text is valid TOML, which its reader has
-/// checked.
+/// Tracks brackets, quotes and comments from line to line. Precondition: the text is valid TOML.
 class Scanner {
  public:
   /// Returns true if the next line continues the value before it.

@@ -15,8 +15,8 @@ float cosine_of(int column, int columns) {
   return std::max(kGrazing, root * root);
 }
 
-/// Returns the mean over a cosine-weighted hemisphere of a function that is linear in the square root of the cosine
-/// between columns: 4 u³ du, integrated exactly by three-point Gauss-Legendre quadrature.
+/// Returns the mean over a cosine-weighted hemisphere of a function that is linear, between columns, in u, the square
+/// root of the cosine. The weight is 4 u³ du; three-point Gauss-Legendre quadrature integrates the product exactly.
 template <typename At>
 float mean_of_columns(int columns, const At& at) {
   constexpr std::array<float, 3> kPlaces = {0.1127016654f, 0.5f, 0.8872983346f};

@@ -100,7 +100,7 @@ class Interface {
     if (sum != 0.0f) turn.jacobian = -i_h / (sum * sum);
     return turn;
   }
-  /// Returns the direction in which a facet transmits.
+  /// Returns the direction in which a facet transmits light.
   [[nodiscard]] Vec3 pass(const Vec3& wo, const Vec3& h, const FacetShare& share) const {
     const float o_h = wo.dot(h);
     if (body_) return normalized_or((o_h / eta_ - share.beyond) * h - wo / eta_, -wo);

@@ -25,7 +25,8 @@ class Scattering<SurfaceLevel::kLayered> {
         wide_(bsdf, base_, interface_, wo_.z()),
         coat_(bsdf, normal, wo) {
     if (coat_.part() > 0.0f && !mirror_) {
-      // A rough coat reflects more evenly; the factor fits measurements of white metals with lobes of all widths.
+      // A rough coat reflects more evenly than a smooth one; the factor fits measurements of white metals with lobes of
+      // all widths.
       const float part = coat_.part() * (1.0f - std::sqrt(bsdf.coat_alpha));
       const float seen = base_.bounce(wo_.z()).darker * part;
       under_coat_ = base_.mean_facet() * share(seen, base_.mean_bounce().darker);
@@ -43,7 +44,7 @@ class Scattering<SurfaceLevel::kLayered> {
     for (float& chance : chances_) chance = sum > 0.0f ? chance / sum : 0.0f;
   }
 
-  // Neither copied nor moved, because its parts refer to each other.
+  // It cannot be copied or moved, because its parts refer to each other.
   Scattering(const Scattering&) = delete;
   Scattering& operator=(const Scattering&) = delete;
 

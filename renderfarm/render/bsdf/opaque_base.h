@@ -24,7 +24,8 @@ namespace cyclorama::render {
 /// Returns f(o) / mean(f), the factor of a lobe f(o) f(i) / mean(f) that depends on the viewer alone.
 [[nodiscard]] inline float share(float here, float mean) { return mean > 0.0f ? here / mean : 0.0f; }
 
-/// The glossy lobe's colour, and everything else as one wide lobe. Thread-bound.
+/// An opaque surface seen from one direction: the colour of its glossy lobe, and all other reflection as one wide lobe.
+/// Thread-bound.
 class OpaqueBase {
  public:
   /// `dielectric` and `diffuse` are the shares of the surface that have a dielectric's gloss and Lambertian reflection

@@ -34,7 +34,7 @@ class EmissiveTriangles {
   [[nodiscard]] int find(unsigned placement, unsigned primitive) const;
   [[nodiscard]] LightBounds bounds(std::size_t triangle) const;
 
-  /// Samples a position; returns false if `u` gives no light. Near triangles are sampled uniformly in solid angle,
+  /// Samples a position; returns false if `u` leads to no light. Near triangles are sampled uniformly in solid angle,
   /// others by area. Source: Arvo, "Stratified Sampling of Spherical Triangles", 1995.
   [[nodiscard]] bool sample(std::size_t triangle, const Vec3& p, const Vec2& u, LightSample* ret_sample) const;
   /// Returns the pdf of sample() for a ray from `p` that hit the triangle after `distance`.

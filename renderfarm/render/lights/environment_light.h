@@ -34,7 +34,7 @@ class EnvironmentLight {
   /// Returns the pdf of sample() per steradian.
   [[nodiscard]] float pdf(const Vec3& n, const Vec3& direction) const;
   /// Returns an estimate of the irradiance (luminance) on an unshadowed surface with normal `n`; a zero `n` gathers
-  /// light from all directions. Positive wherever light comes from that side.
+  /// light from all directions. The result is positive if any light comes from that side.
   [[nodiscard]] float estimate(const Vec3& n) const;
 
  private:

@@ -6,11 +6,11 @@
 namespace cyclorama::render {
 namespace {
 
-/// Squared sine of the half angle below which a sphere is treated as a point, because its cap exceeds float's
+/// Squared sine of the half angle below which a sphere is treated as a point, because its cap is too small for float's
 /// precision.
 constexpr float kMinSine2 = 1e-12f;
 
-/// The lamp's sphere as seen from a point outside.
+/// The lamp's sphere as seen from a point.
 struct SphereView {
   Vec3 to_centre = Vec3::UnitY();
   float distance = 0.0f;

@@ -16,7 +16,7 @@ struct Lamp {
   float power = 0.0f;                   ///< Luminance of the intensity.
   float radius = 0.0f;                  ///< Point and spot: radius of the sphere in metres.
   float inverse_range = 0.0f;           ///< Inverse of the range, in 1/m; 0 for no limit.
-  float cos_outer = -1.0f;              ///< Spot only.
+  float cos_outer = -1.0f;              ///< Spot: cosine of the outer cone's half angle.
   float inverse_cone = 1.0f;            ///< Spot: 1 / (cos inner - cos outer).
   float one_minus_cos_disc = 0.0f;      ///< Directional: 1 - cosine of the disc's angular radius.
   float sin_disc = 0.0f;                ///< Directional: sine of the disc's angular radius.

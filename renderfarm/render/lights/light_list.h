@@ -28,11 +28,12 @@ class LightList {
     float sum = 0.0f;
   };
 
-  /// Precondition: size() < kMaxListedLights.
+  /// Adds a light. Precondition: size() < kMaxListedLights.
   void add(const LightBounds& light);
   [[nodiscard]] std::size_t size() const { return size_; }
 
-  /// Estimates each light; zero only if it cannot shine. A zero `n` is a surface lit from both sides.
+  /// Estimates each light; an estimate is zero only if the light cannot shine. A zero `n` is a surface lit from both
+  /// sides.
   void estimate(const Vec3& p, const Vec3& n, Estimates* ret_estimates) const;
   /// Chooses a light with a probability proportional to its estimate. Returns the light's index, or -1 if none can
   /// shine.

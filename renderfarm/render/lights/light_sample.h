@@ -15,12 +15,12 @@ struct LightSample {
   /// Length of a shadow ray from p. It ends short of the light by the bound of the rounding errors, so that the ray
   /// does not hit the light itself. Infinite for lights that are infinitely far.
   float distance = 0.0f;
-  Vec3 radiance_over_pdf = Vec3::Zero();  ///< Times BSDF and cosine, an unbiased estimate.
+  Vec3 radiance_over_pdf = Vec3::Zero();  ///< An unbiased estimate once BSDF and cosine multiply it.
   /// Pdf per steradian; 0 if BSDF sampling cannot hit the light, so that its multiple-importance weight is 1.
   float pdf = 0.0f;
 };
 
-/// Returns LightSample::distance for a surface at `distance` from p that the ray hits at the angle with cosine
+/// Returns LightSample::distance for a surface at `distance` from p that the ray hits at an angle whose cosine is
 /// `cosine`. Both ends of the ray are rounded, and so is the arithmetic of tracing it; at oblique incidence the error
 /// grows by 1 / cosine.
 [[nodiscard]] inline float short_of(const Vec3& p, float distance, float cosine) {

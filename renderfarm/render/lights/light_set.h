@@ -29,7 +29,8 @@
 
 namespace cyclorama::render {
 
-/// Index of a light with a position: lamps (points, spots, spheres), then rectangles and disks, then triangles.
+/// Index of a light with a position. Lamps (points, spots, spheres) come first, then rectangles and disks, then
+/// triangles.
 using LightIndex = int;
 inline constexpr LightIndex kNoLight = -1;
 

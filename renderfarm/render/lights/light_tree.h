@@ -38,7 +38,7 @@ class Choice {
 class LightTree {
  public:
   LightTree() = default;
-  /// Lights without power are left out. Takes about 90 bytes per light.
+  /// Builds the tree, which takes about 90 bytes per light. Lights without power are left out.
   explicit LightTree(std::span<const LightBounds> lights);
 
   [[nodiscard]] bool empty() const { return nodes_.empty(); }

@@ -23,8 +23,8 @@ struct Event {
   }
 };
 
-/// Number of events that one traversal collects. With few, rays through many splats need many traversals; with many,
-/// sorting is slow.
+/// Number of events that one traversal collects. If it is small, rays through many splats need many traversals; if it
+/// is large, sorting is slow.
 constexpr std::size_t kEvents = 32;
 
 /// Returns the distance from the centre, in standard deviations, beyond which a splat is left out.

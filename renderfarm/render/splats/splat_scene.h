@@ -4,9 +4,9 @@
 ///
 /// A splat attenuates a ray once, at the point of the ray where its Gaussian is highest: by its opacity times the value
 /// of the Gaussian there divided by the value at its centre. These points determine the order of the splats, so
-/// pictures are exact for every projection, which the original program approximates. All other rules are those of the
-/// original program: opacities are at most 0.99, splats with less than 1/255 are left out, and a ray ends where less
-/// than 1/10,000 of it would remain.
+/// pictures are exact in every projection, whereas the original program approximates projections. All other rules are
+/// those of the original program: opacities are at most 0.99, splats that contribute less than 1/255 are left out, and
+/// a ray ends where less than 1/10,000 of it would remain.
 #pragma once
 
 #include <limits>
@@ -32,7 +32,7 @@ struct SplatLight {
   float depth_m = std::numeric_limits<float>::infinity();  ///< Distance at which half of the ray's light is blocked.
 };
 
-/// Thread-safe once built.
+/// The splats of a scene. Thread-safe once built.
 class SplatScene {
  public:
   /// Borrows the clouds, which must outlive it and not change. `origin` is the origin of the render frame, in the

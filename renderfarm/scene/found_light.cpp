@@ -62,8 +62,8 @@ double area_of(const Mesh& mesh, const Eigen::Matrix3d& linear) {
   return sum * static_cast<double>(stride);
 }
 
-/// Returns the factor for the lamps of a room that makes it as bright as a grey room (albedo 0.5) is at a factor of 1.
-/// Light reaches the eye after one or more reflections.
+/// Returns a factor for the lamps of a room. It gives the room the brightness that a factor of 1 gives a grey room
+/// (albedo 0.5). Light reaches the eye after one or more reflections.
 double strength_for(double albedo, int bounces) {
   constexpr double kGrey = 0.5;
   constexpr double kWeakest = 0.2;

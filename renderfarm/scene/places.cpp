@@ -82,8 +82,8 @@ void for_each_place(const SpaceGrid& grid, const Use& use) {
   }
 }
 
-/// Returns candidates spread over the scene: the roomiest of each block of columns, with some on each floor of the
-/// block.
+/// Returns the roomiest places, spread over the scene: at most one from each block of cells and kMaxOfFloor from each
+/// floor.
 std::vector<Place> roomiest(std::vector<Place> places, const SpaceGrid& grid) {
   std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return roominess(a) > roominess(b); });
   const Eigen::Array3i block_cells(24, 4, 24);

@@ -85,7 +85,7 @@ class Coat {
   Vec3 wo_;
   bool mirror_;
   bool shines_;         ///< The coat is seen from outside a body.
-  bool faces_ = false;  ///< It is also seen from the side of its own normal.
+  bool faces_ = false;  ///< The coat is also seen from the side of its own normal.
   Microfacets facets_;
   AlbedoRow row_;
   float kept_ = 1.0f;

@@ -17,8 +17,8 @@ namespace cyclorama::render {
 inline constexpr float kMeanSchlick = 1.0f / 21.0f;
 
 /// Returns the unpolarised Fresnel reflectance and sets `ret_cosine` to the cosine of the refracted direction. `eta` is
-/// the index of refraction beyond the surface divided by that before it; `cosine` > 0 is that of the incident
-/// direction. Under total reflection the results are 1 and 0.
+/// the index of refraction beyond the surface divided by the index before it; `cosine` > 0 is the cosine of the
+/// incident direction. Under total reflection the results are 1 and 0.
 [[nodiscard]] inline float dielectric_reflectance(float cosine, float eta, float* ret_cosine) {
   const float sine2 = std::max(0.0f, 1.0f - cosine * cosine) / (eta * eta);
   *ret_cosine = 0.0f;

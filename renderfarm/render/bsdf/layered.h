@@ -97,8 +97,8 @@ class Scattering<SurfaceLevel::kLayered> {
  private:
   enum Lobe { kCoat, kFacets, kDiffuse, kUp, kDown, kStraight, kLobes };
 
-  /// Returns the share of the surface that has the gloss of an opaque dielectric; the reflection of bodies is that of
-  /// their Interface instead.
+  /// Returns the share of the surface that has the gloss of an opaque dielectric; bodies reflect light through
+  /// Interface instead.
   [[nodiscard]] static float opaque_dielectric(const Bsdf& bsdf) {
     return (1.0f - bsdf.metallic) * (bsdf.thin ? 1.0f : 1.0f - bsdf.transmission);
   }

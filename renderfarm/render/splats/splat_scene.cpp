@@ -70,7 +70,8 @@ void SplatScene::meet(const RTCIntersectFunctionNArguments* request) {
   if (request->valid[0] == 0) return;
   Ray& ray = *RayContext<Ray>::of(request->context);
   const Record& record = ray.scene->records_[request->primID];
-  // Computed from the ray's point that is nearest to the centre, so that distant splats lose no precision.
+  // The event is computed from the point of the ray that is nearest to the centre, so that distant splats lose no
+  // precision.
   const Vec3 offset = ray.origin - record.centre;
   const float near_m = -offset.dot(ray.direction);
   const Vec3 start = record.T_unit_render * Vec3(offset + near_m * ray.direction);

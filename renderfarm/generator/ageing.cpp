@@ -21,7 +21,7 @@ Vec3 aged(const Vec3& colour, const Age& age, const Vec3& p3, float loss, std::u
   const float slow = noise(p3 * 0.55f, seed + 21u);
   const float middle = fractal_noise(p3 * 3.1f, 2, seed + 22u);
   const float fine = noise(p3 * 23.0f, seed + 23u);
-  // Dust and fading in large patches; pigment flaked off to the plaster in small ones.
+  // Dust and fading cover large patches; in small ones, pigment has flaked off down to the plaster.
   spot.lay(kPlaster, unit_clamp(0.08f + 0.20f * slow + 0.10f * middle));
   const float flake = smooth_step(0.40f - 0.25f * loss, 0.50f - 0.25f * loss, middle * 0.75f + fine * 0.3f);
   spot.lay(kPlaster * 1.04f, flake * 0.75f);

@@ -11,13 +11,13 @@ constexpr float kRise = kTopHeight - kWallHeight;
 constexpr float kArc = 3.85f;  ///< Length of the cove's profile, a quarter of an ellipse.
 constexpr float kLoss = 0.10f;
 
-/// Height of the rock under the ceiling's plaster, positive downwards into the room.
+/// Returns the height of the rock under the ceiling's plaster, positive downwards into the room.
 float height_of(const Vec3& p3, const Vec2& p, const Age& age, std::uint32_t seed) {
   return 0.06f * fractal_noise(p3 * 0.5f, 3, seed + 111u) + 0.008f * noise(p3 * 4.0f, seed + 112u) -
          age.plaster_lost * (0.012f + 0.03f * chisel_marks(p, seed + 113u));
 }
 
-/// Colour at `s` metres up the profile of a cove.
+/// Returns the colour at `s` metres up the profile of a cove.
 Vec3 cove_colour(float x, float s, float spacing) {
   constexpr float kGridTo = 0.24f + 5.0f * kCellHeight;
   constexpr float kBandTo = kGridTo + 0.26f;
@@ -32,10 +32,10 @@ Vec3 cove_colour(float x, float s, float spacing) {
 /// All four coves have the same number of rows, so that their vertices at the hips are identical.
 constexpr float kCoveDensity = 0.34f;
 
-/// Part of the rock's roughness that remains at `edge` metres from where a patch meets another.
+/// Returns the share of the rock's roughness that remains `edge` metres from the line where two patches meet.
 float freedom(float edge) { return smooth_step(0.0f, 0.25f, edge); }
 
-/// One of four coves: `along` runs along its wall, `inward` from the wall into the room.
+/// Returns one of the four coves: `along` runs along its wall, `inward` from the wall into the room.
 Patch cove(const Vec3& origin, const Vec3& along, const Vec3& inward, float half_length, std::uint32_t seed) {
   Patch patch;
   patch.width_m = 2.0f * half_length;
@@ -76,7 +76,7 @@ Patch top(std::uint32_t seed) {
     const Age age = age_of(plane, kLoss, seed);
     Spot spot(aged(lantern({x, p.y()}, kHalfZ, spacing), age, plane, kLoss, seed));
     spot.darken(0.22f);
-    // Each square of a lantern is a step higher than the one around it.
+    // Each square of a lantern is a step higher than the square around it.
     const float in = kHalfZ - std::max(std::abs(x), std::abs(p.y()));
     const float diagonal = 0.68f * kHalfZ - (std::abs(x) + std::abs(p.y())) * 0.7071f;
     const float steps = 0.05f * smooth_step(0.10f, 0.16f, in) + 0.06f * smooth_step(0.0f, 0.05f, diagonal);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The chamber in the rock: walls with niches, coved ceiling, floor, altar, entrance corridor. It is closed at any grid
-/// density: walls and ceiling end on the same straight edges (at the hips, on the same vertices), where the rock's
-/// roughness fades out; floor, altar and corridor extend through the surfaces that they meet. All patches face inwards.
+/// The chamber in the rock: walls with niches, coved ceiling, floor, altar and entrance corridor. It has no gaps at any
+/// grid density: walls and ceiling meet at straight edges, where the rock's roughness fades out, and the coves share
+/// their vertices at the hips. Floor, altar and corridor extend through the surfaces that they meet. All patches face
+/// inwards.
 #pragma once
 
 #include <cstdint>
@@ -25,22 +26,22 @@ inline constexpr float kCorridorEnd = 6.6f;
 
 /// A recess in a wall for a seated figure.
 struct Niche {
-  float centre = 0.0f;  ///< Along the wall.
-  float sill = 0.0f;    ///< Height of its floor.
+  float centre = 0.0f;  ///< Position along the wall.
+  float sill = 0.0f;    ///< Height of the niche's floor.
   float width = 1.0f;
   float height = 1.4f;
   float depth = 0.6f;
 };
 
-/// A wall's own frame: `along` points to the right for a viewer who faces it; `inward` points into the room.
+/// Frame of a wall: `along` points to the right for a viewer who faces the wall; `inward` points into the room.
 struct WallFrame {
-  Vec3 origin;  ///< On the floor, at along = 0.
+  Vec3 origin;  ///< Point on the floor from which `along` is measured.
   Vec3 along;
   Vec3 inward;
   std::vector<Niche> niches;
-  bool has_door = false;  ///< In the middle of the wall.
+  bool has_door = false;  ///< The wall has a door in its middle.
 
-  /// Returns a point on the floor of niche `i`, `forward` metres into the room from the undisturbed face of the wall.
+  /// Returns a point on the floor of niche `i`, `forward` metres into the room from the plane of the wall.
   [[nodiscard]] Vec3 in_niche(std::size_t i, float forward) const;
 };
 

@@ -28,7 +28,7 @@ const Robes& robes_of(std::uint32_t variety) {
   return all[variety % all.size()];
 }
 
-/// In prayer the palms meet before the breast; in grief one hand touches the cheek.
+/// Returns the distance to the hands: in prayer the palms meet before the breast; in grief one hand touches the cheek.
 float hands(const Vec3& p, bool grief) {
   if (!grief) return ellipsoid(p, {0.0f, 0.665f, 0.175f}, {0.026f, 0.065f, 0.030f});
   return std::min(ellipsoid(p, {0.062f, 0.80f, 0.10f}, {0.024f, 0.050f, 0.028f}),

@@ -19,7 +19,7 @@ constexpr std::array<float, 3> kInGroup = {-0.24f, 0.0f, 0.24f};
 constexpr float kStandHeight = 1.02f;
 const std::array<Vec3, 2> kStands = {Vec3(-6.7f, 0.0f, 0.05f), Vec3(6.7f, 0.0f, 0.05f)};
 
-/// A bowl on a foot with a flame, a solid of revolution; `stem` is the height of the bowl.
+/// Returns a bowl on a foot with a flame, as a solid of revolution; `stem` is the height of the bowl.
 Patch lamp_body(const Vec3& position, float stem, float scale) {
   Sculpture s;
   s.distance = [stem](const Vec3& p) {
@@ -51,7 +51,7 @@ std::vector<Patch> lamp_bodies() {
 
 std::vector<Lamp> lamp_lights() {
   std::vector<Lamp> lamps;
-  // Each flame is lit by a lamp a hand's breadth above it; a light inside the flame would be enclosed.
+  // The light of each group is a hand's breadth above the flames, because a flame would enclose a light inside it.
   for (std::size_t i = 0; i < kGroups.size(); ++i) {
     lamps.push_back({.name = "butter lamps " + std::to_string(i + 1),
                      .kind = "point",

@@ -20,14 +20,14 @@ struct Lamp {
   float radius_m = 0.0f;
   float inner_cone_deg = 0.0f;
   float outer_cone_deg = 45.0f;
-  float side_m = 0.0f;            ///< Rectangle: side of a square.
-  Vec3 luminance = Vec3::Zero();  ///< Rectangle: radiance.
+  float side_m = 0.0f;            ///< For a rectangle: side of the square.
+  Vec3 luminance = Vec3::Zero();  ///< For a rectangle: radiance.
 };
 
-/// Butter lamps on the altar's ledge and on two stands before it.
+/// Returns the butter lamps on the altar's ledge and on two stands before the altar.
 [[nodiscard]] std::vector<Patch> lamp_bodies();
 
-/// Light of those lamps, of the daylight in the corridor, and of the museum's lighting.
+/// Returns the lights of the butter lamps, of the daylight in the corridor, and of the museum's lighting.
 [[nodiscard]] std::vector<Lamp> lamp_lights();
 
 }  // namespace cyclorama::generator

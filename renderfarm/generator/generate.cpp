@@ -65,7 +65,7 @@ class Workshop {
     });
   }
 
-  /// Keeps only the first error, since the others follow from it.
+  /// Stops all threads. Keeps only the first error, because the others follow from it.
   void fail(const Error& error) {
     const std::lock_guard lock(mutex_);
     if (!error_ && !stop_.load(std::memory_order_relaxed)) error_ = error;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Destination of generated geometry. The program writes PLY files; tests count.
+/// Destination of generated geometry. The program writes PLY files; tests only count vertices and triangles.
 #pragma once
 
 #include <array>
@@ -24,7 +24,8 @@ struct GeometryCounts {
   std::uint64_t triangles = 0;
 };
 
-/// One file: exactly the promised vertices, then exactly the promised triangles, then finish(). Thread-bound.
+/// One file. Callers add exactly the announced vertices, then exactly the announced triangles, and then call finish().
+/// Thread-bound.
 class GeometryFile {
  public:
   virtual ~GeometryFile() = default;
@@ -33,7 +34,7 @@ class GeometryFile {
   virtual Status finish() = 0;
 };
 
-/// Thread-safe: several files may be open at a time, each on its own thread.
+/// Creates files. Thread-safe: several files may be open at a time, each used by one thread.
 class GeometrySink {
  public:
   virtual ~GeometrySink() = default;

@@ -29,18 +29,19 @@ struct Grotto {
   [[nodiscard]] GeometryCounts counts() const;
 };
 
-/// Errors: kInvalidArgument outside [kMinTriangles, kMaxTriangles].
+/// Checks a number of triangles. Errors: kInvalidArgument outside [kMinTriangles, kMaxTriangles].
 Status check_triangles(std::uint64_t triangles);
 
-/// Plans at most `triangles` triangles, and at least 98 % of them. The seed determines where the rock is broken and
-/// paint has flaked off, and the order of the figures. Errors as check_triangles().
+/// Plans a grotto of at most `triangles` triangles, and at least 98 % of that number. The seed determines where the
+/// rock is broken and paint has flaked off, and the order of the figures. Errors: those of check_triangles().
 Result<Grotto> plan_grotto(std::uint64_t triangles, std::uint32_t seed);
 
 /// Called about ten times a second, on the calling thread, with the fraction done; returns false to stop the work.
 using KeepGoing = std::function<bool(double)>;
 
 /// Computes all parts and writes each to a file of `sink`. The output depends on the grotto alone, not on `threads` (at
-/// least 1); memory is some rows per thread. Blocks. Errors: those of the sink; kUnavailable if stopped.
+/// least 1); generate() takes memory for some rows per thread. Blocks until all is written. Errors: those of the sink;
+/// kUnavailable if stopped.
 Status generate(const Grotto& grotto, GeometrySink& sink, int threads, const KeepGoing& keep_going);
 
 }  // namespace cyclorama::generator

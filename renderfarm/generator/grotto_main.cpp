@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
       "cyclorama-grotto",
       "Makes a painted cave temple, a museum hall or a relic, of any number of triangles, as a scene package.");
   PackageOrder order;
-  // More threads than there are large files gain nothing.
+  // More threads than there are large files would not speed it up.
   order.threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 8);
   CLI::App& options = program.options();
   std::string kind = "grotto";

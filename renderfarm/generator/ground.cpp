@@ -28,7 +28,8 @@ Surfel ground(const Vec2& p, float spacing, std::uint32_t seed) {
   return {plane + height * Vec3::UnitY(), spot.colour()};
 }
 
-/// A flat piece of rough rock from `corner`, spanned by `across` and `up`; smooth at its edge at up = 0.
+/// Returns a face of rough rock from `corner`, spanned by `across` and `up`; it is smooth at the edge along `up`
+/// through `corner`.
 Patch rough_face(const Vec3& corner, const Vec3& across, const Vec3& up, const Vec3& inward, const Vec3& tint,
                  std::uint32_t seed) {
   Patch patch;
@@ -49,7 +50,7 @@ Patch rough_face(const Vec3& corner, const Vec3& across, const Vec3& up, const V
 }
 
 const Vec3 kDarkRock{0.40f, 0.34f, 0.28f};
-const Vec3 kDaylit{0.70f, 0.75f, 0.78f};  ///< A white cloth hangs at the open end of the corridor.
+const Vec3 kDaylit{0.70f, 0.75f, 0.78f};  ///< Colour of the white cloth at the open end of the corridor.
 
 void add_corridor(std::uint32_t seed, std::vector<Patch>& patches) {
   // The mouth's edges are straight and identical to the wall's, so that there is no crack around the door.
@@ -86,7 +87,7 @@ constexpr std::array<Knot, 12> kProfile = {{{0.16f, -0.12f},
                                             {0.14f, 0.79f},
                                             {0.12f, 0.80f}}};
 
-/// Point of the profile at the fraction `v` of its length.
+/// Returns the point of the profile at the fraction `v` of its length.
 Knot profile_at(float v) {
   const auto length_of = [](std::size_t i) {
     return std::hypot(kProfile[i + 1].forward - kProfile[i].forward, kProfile[i + 1].up - kProfile[i].up);
@@ -131,7 +132,7 @@ Patch altar_front(std::uint32_t seed) {
     const float loss = 0.20f + 0.25f * smooth_step(0.3f, 0.0f, knot.up);
     const Age age = age_of(plane, loss, seed);
     Spot spot(aged(front_colour(plane.x(), knot.up, spacing), age, plane, loss, seed));
-    const float shelter = smooth_step(0.12f, 0.0f, knot.forward);  // Shadow under the ledge.
+    const float shelter = smooth_step(0.12f, 0.0f, knot.forward);  // The ledge casts a shadow below it.
     spot.darken(0.30f * shelter + 0.3f * smooth_step(0.15f, 0.0f, knot.up));
     const float height = 0.012f * fractal_noise(plane * 2.0f, 3, seed + 141u) - 0.012f * age.plaster_lost;
     return Surfel{plane + height * Vec3::UnitZ(), spot.colour()};
@@ -184,7 +185,7 @@ std::vector<Patch> floor_and_corridor(std::uint32_t seed) {
     Surfel surfel =
         ground({mix(-kDoorHalfWidth - 0.2f, kDoorHalfWidth + 0.2f, u), mix(kHalfDepth - 0.1f, kCorridorEnd + 0.2f, v)},
                spacing, seed);
-    surfel.position.y() -= 0.012f;  // Below the room's floor where they overlap.
+    surfel.position.y() -= 0.012f;  // Keeps it below the room's floor where both overlap.
     return surfel;
   };
   turn_towards(way, Vec3(0.0f, 2.0f, 5.0f));

@@ -13,7 +13,7 @@
 namespace cyclorama::generator {
 namespace {
 
-// The hall: x across, z along it, y up; the origin is in the middle of the floor.
+// The hall: x across, z along the hall, y up; the origin is in the middle of the floor.
 constexpr float kHalfWidth = 7.0f;
 constexpr float kHalfLength = 11.0f;
 constexpr float kHeight = 6.0f;
@@ -24,7 +24,8 @@ constexpr float kLampHeight = 5.86f;
 constexpr float kLampArea = 9.0f;  ///< Total area of all lamps in square metres.
 constexpr float kLuminance = 24.0f;
 constexpr float kTrayDepth = 0.02f;
-constexpr float kOverlap = 0.15f;  ///< Walls extend behind floor and ceiling by this, so that no corner is open.
+/// Length by which walls extend beyond floor and ceiling, so that no corner is open.
+constexpr float kOverlap = 0.15f;
 
 const Vec3 kWallPaint{0.80f, 0.77f, 0.71f};
 const Vec3 kRedWall{0.66f, 0.33f, 0.27f};
@@ -32,12 +33,13 @@ const Vec3 kStone{0.74f, 0.70f, 0.63f};
 const Vec3 kWood{0.45f, 0.29f, 0.17f};
 const Vec3 kCeilingPaint{0.86f, 0.85f, 0.82f};
 
-/// A flat piece spanned by `across` and `up` from `corner`. `finish` receives a position on it in metres and returns
-/// colour and height towards `inward`.
+/// Colour of a surface and its height above the plane.
 struct Finish {
   Vec3 colour;
   float height = 0.0f;
 };
+/// Returns a flat piece from `corner`, spanned by `across` and `up`. `finish` receives a position on it in metres and
+/// returns the finish, with the height towards `inward`.
 template <typename Make>
 Patch panel(const Vec3& corner, const Vec3& across, const Vec3& up, const Vec3& inward, float density, Make finish) {
   Patch patch;
@@ -52,7 +54,7 @@ Patch panel(const Vec3& corner, const Vec3& across, const Vec3& up, const Vec3& 
   return patch;
 }
 
-/// Plaster above, a stone wainscot below, and a row of paintings.
+/// Returns the finish of a wall: plaster above, a stone wainscot below, and a row of paintings.
 Finish wall_finish(const Vec2& p, float spacing, const Vec3& paint, std::uint32_t seed) {
   const Vec3 place{p.x(), p.y(), 0.0f};
   Spot spot(paint * (1.0f + 0.06f * fractal_noise(place * 1.7f, 3, seed)));
@@ -78,7 +80,7 @@ std::vector<Patch> walls(std::uint32_t seed) {
                         std::uint32_t which) {
     return panel(corner, across, up, inward, 1.0f, [=](const Vec2& p, float spacing) {
       Finish made = wall_finish(p, spacing, paint, seed + 301u + 10u * which);
-      // Straight at the edges, which neighbours share.
+      // Flat at the edges, which neighbouring walls share.
       made.height *= smooth_step(0.0f, 0.3f, std::min(p.x(), across.norm() - p.x()));
       return made;
     });
@@ -115,8 +117,8 @@ std::vector<Patch> floor_and_ceiling(std::uint32_t seed) {
           panel(corner + kHeight * Vec3::UnitY(), across, along, -Vec3::UnitY(), 0.8f, ceiling_finish)};
 }
 
-/// A solid of revolution standing on the floor. `radius` is a function of the height in metres; `cut`, of angle and
-/// height, is subtracted.
+/// Returns a solid of revolution that stands on the floor. `radius` is a function of the height in metres; `cut`, a
+/// function of angle and height, is subtracted from it.
 template <typename Radius, typename Cut>
 Patch lathed(const Vec3& foot, float height, float widest, float density, const Vec3& colour, std::uint32_t seed,
              Radius radius, Cut cut) {
@@ -166,7 +168,7 @@ Sculpture block(const Vec3& half, const Vec3& colour, std::uint32_t seed) {
   s.colour = [=](const Vec3& p, float) {
     return Vec3(colour * (1.0f + 0.12f * fractal_noise(p * 4.0f, 3, seed + 1u)));
   };
-  // The axis lies along the longest horizontal direction.
+  // The axis is along x if the block is wider than high, else vertical.
   const bool is_long = half.x() > half.y();
   const float inset = 0.3f * half.minCoeff();
   s.from = is_long ? Vec3(-half.x() + inset, half.y(), 0.0f) : Vec3(0.0f, inset, 0.0f);
@@ -195,7 +197,7 @@ void append(std::vector<Patch>&& from, std::vector<Patch>& to) {
   for (Patch& patch : from) to.push_back(std::move(patch));
 }
 
-/// Exhibits between the columns and on the hall's axis.
+/// Returns the exhibits between the columns and on the hall's axis.
 std::vector<Patch> exhibits(std::uint32_t seed) {
   constexpr float kPedestal = 0.55f;  ///< Half of the pedestal's height.
   constexpr float kDensity = 1.5f;
@@ -239,7 +241,7 @@ std::vector<Patch> benches(std::uint32_t seed) {
   return patches;
 }
 
-/// A black tray over a lamp, with its rim in the lamp's plane: above the lamp it is dark in any renderer.
+/// Returns a black tray over a lamp. Its rim is in the lamp's plane, so that every renderer shows black above the lamp.
 Patch tray(const Vec3& middle, float side) {
   Patch patch;
   patch.width_m = side;

@@ -18,7 +18,7 @@ struct Stroke {
   float to_radius;
 };
 
-/// Size of a figure; its box is 2.6 wide and 1.2 high. It flies to the left: trunk in front, legs trailing.
+/// Size of a figure, whose box is 2.6 wide and 1.2 high. The figure flies to the left, with the legs trailing.
 constexpr float kReach = 1.25f;
 
 float nearest(const Vec2& p, std::span<const Stroke> strokes) {

@@ -9,7 +9,7 @@ namespace {
 
 using namespace pigment;  // NOLINT(google-build-using-namespace): colours by name, in this file only.
 
-/// A row of pearls on a dark ribbon along y = `at`.
+/// Paints a row of pearls on a dark ribbon along y = `at`.
 void lay_pearls(const Vec2& p, float at, float width, float spacing, Spot& spot) {
   spot.lay(kRust, coverage(std::abs(p.y() - at) - 0.5f * width, spacing));
   const float x = repeat(p.x(), width * 1.25f).offset;

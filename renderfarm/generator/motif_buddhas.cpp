@@ -18,7 +18,8 @@ struct Scheme {
   Vec3 robe;
 };
 
-/// Eight colour schemes; one column to the right advances by one, one row up by three, which gives diagonal rays.
+/// Returns one of eight colour schemes. Each column to the right advances by one scheme and each row up by three, which
+/// gives diagonal rays.
 const Scheme& scheme_of(int column, int row) {
   static const std::array<Scheme, 8> schemes = {{
       {kGround, kPaleGreen, kWhite, kCinnabar},

@@ -9,7 +9,7 @@ namespace {
 
 using namespace pigment;  // NOLINT(google-build-using-namespace): colours by name, in this file only.
 
-/// Approximate signed distance to a ring of petals with tips at `tip` and notches at `notch`.
+/// Returns the approximate signed distance to a ring of petals with tips at `tip` and notches at `notch`.
 float petals_outline(float r, float angle, float notch, float tip, int petals, float turn) {
   const float wave = std::abs(std::cos(0.5f * (angle + turn) * static_cast<float>(petals)));
   return r - mix(notch, tip, std::pow(wave, 0.7f));

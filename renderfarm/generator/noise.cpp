@@ -16,7 +16,7 @@ Lattice lattice(float x) {
 
 float fade(float t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); }
 
-/// Dot product of (x, y, z) with one of the 12 edge directions of a cube.
+/// Returns the dot product of (x, y, z) with one of the 12 edge directions of a cube.
 float gradient(std::uint32_t h, float x, float y, float z) {
   h &= 15u;
   const float a = h < 8u ? x : y;
@@ -66,7 +66,7 @@ float fractal_noise(const Vec3& p, int octaves, std::uint32_t seed) {
   for (int octave = 0; octave < octaves; ++octave) {
     sum += height * noise(p * frequency, seed + static_cast<std::uint32_t>(octave) * 7919u);
     height *= 0.5f;
-    frequency *= 2.03f;  // With a factor of 2 the octaves' lattices would share their zeros.
+    frequency *= 2.03f;  // With a factor of 2, the lattices of all octaves would share their zeros.
   }
   return sum * 1.4f;
 }

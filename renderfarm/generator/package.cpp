@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A new folder that is removed unless it is kept.
+/// A new folder; the destructor removes whatever is then at its path.
 class Scaffold {
  public:
   static Result<Scaffold> beside(const fs::path& target) {
@@ -49,7 +49,7 @@ bool is_grotto(const fs::path& folder) {
   return text && text->starts_with(kSceneMark);
 }
 
-/// Checks that the target is free, empty, or a grotto that may be replaced.
+/// Checks that the target does not exist, is empty, or is a grotto that may be replaced.
 Status check_target(const fs::path& folder, bool replace) {
   std::error_code error;
   const fs::file_status status = fs::status(folder, error);
@@ -85,7 +85,8 @@ Status rename_folder(const fs::path& from, const fs::path& to) {
   return Error::from_errno(fmt::format("renaming to '{}'", to.string()));
 }
 
-/// Moves the finished folder to its place; `scaffold` then holds the previous content and removes it.
+/// Moves the finished folder to its place; the path of `scaffold` then names the previous content, which its destructor
+/// removes.
 Status put_in_place(const Scaffold& scaffold, const fs::path& target) {
   if (::renameat2(AT_FDCWD, scaffold.path().c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) return Done{};
   if (errno == ENOENT) return rename_folder(scaffold.path(), target);  // There is nothing to exchange with.

@@ -12,7 +12,7 @@ struct PackageOrder {
   Kind kind = Kind::kGrotto;
   std::uint64_t triangles = 1'000'000;
   std::uint32_t seed = 1;
-  int lamps = 4;  ///< Only for an interior; a grotto has its own.
+  int lamps = 4;  ///< Number of lamps of an interior; other kinds have fixed lamps.
   std::filesystem::path folder;
   bool replace = false;  ///< Allows replacing an older grotto at `folder`; anything else there is never replaced.
   int threads = 1;
@@ -23,8 +23,8 @@ struct PackageReport {
   std::uint64_t bytes = 0;
 };
 
-/// Writes into a new folder beside the target and renames it, so that a stopped or failed run leaves the target
-/// unchanged.
+/// Writes the package into a new folder beside the target and renames that folder, so that a stopped or failed run
+/// leaves the target unchanged.
 ///
 /// Errors:
 /// kInvalidArgument  the number of triangles is out of range.

@@ -24,15 +24,15 @@ inline const Vec3 kFlesh{0.84f, 0.65f, 0.47f};
 inline const Vec3 kInk{0.15f, 0.11f, 0.09f};
 }  // namespace pigment
 
-/// Part of a vertex's surroundings that lies inside a shape at `distance` (negative inside).
+/// Returns the share of a vertex's surroundings that is inside a shape at signed distance `distance` (negative inside).
 [[nodiscard]] inline float coverage(float distance, float spacing) { return unit_clamp(0.5f - distance / spacing); }
 
-/// Coverage by a line of width `width` along distance 0.
+/// Returns the coverage by a line of width `width` along distance 0.
 [[nodiscard]] inline float line_coverage(float distance, float width, float spacing) {
   return coverage(std::abs(distance) - 0.5f * width, spacing) * std::min(1.0f, width / spacing + 0.25f);
 }
 
-/// A point of a picture on which colours are laid over each other.
+/// A point of a painting, on which colours are laid over each other.
 class Spot {
  public:
   explicit Spot(const Vec3& ground) : colour_(ground) {}
@@ -44,7 +44,8 @@ class Spot {
   Vec3 colour_;
 };
 
-/// Approximate distance: exact on the outline, elsewhere within the ratio of the radii.
+/// Returns an approximate distance to an ellipse: exact on its outline, elsewhere wrong by at most a factor of the
+/// ratio of the radii.
 [[nodiscard]] inline float ellipse(const Vec2& p, const Vec2& centre, const Vec2& radii) {
   const Vec2 q = (p - centre).cwiseQuotient(radii);
   return (q.norm() - 1.0f) * radii.minCoeff();
@@ -55,7 +56,7 @@ class Spot {
   return q.cwiseMax(0.0f).norm() + std::min(q.maxCoeff(), 0.0f);
 }
 
-/// A brush stroke whose radius changes from `ra` to `rb`.
+/// Returns the distance to a brush stroke whose radius changes from `ra` to `rb`.
 [[nodiscard]] inline float stroke(const Vec2& p, const Vec2& a, float ra, const Vec2& b, float rb) {
   const Vec2 ab = b - a;
   const float t = unit_clamp((p - a).dot(ab) / ab.squaredNorm());
@@ -72,7 +73,7 @@ struct Repeat {
   return {static_cast<int>(cell), x - (cell + 0.5f) * period};
 }
 
-/// Non-negative remainder, for cycles of colours.
+/// Returns the non-negative remainder of i / length, for cycles of colours.
 [[nodiscard]] inline int cycle(int i, int length) { return ((i % length) + length) % length; }
 
 }  // namespace cyclorama::generator

@@ -15,7 +15,7 @@ void append(std::vector<Patch>&& from, std::vector<Patch>& to) {
   for (Patch& patch : from) to.push_back(std::move(patch));
 }
 
-/// A seated figure in every niche, as large as it allows.
+/// Returns a seated figure for every niche, as large as the niche allows.
 std::vector<Patch> niche_figures(std::uint32_t seed) {
   std::vector<Patch> patches;
   std::uint32_t variety = hash(1, 2, 3, seed) % 60u;
@@ -33,7 +33,7 @@ std::vector<Patch> niche_figures(std::uint32_t seed) {
   return patches;
 }
 
-/// Disciples behind the reclining figure, where they remain visible; each faces its head.
+/// Returns the disciples, who stand behind the reclining figure where they remain visible and face its head.
 std::vector<Patch> disciples(std::uint32_t seed) {
   std::vector<Patch> patches;
   constexpr int kCount = 10;

@@ -9,10 +9,10 @@
 
 namespace cyclorama::generator {
 
-/// Flat: the file has no normals, and readers use those of the triangles.
+/// With kFlat, the file has no normals, and readers use those of the triangles.
 enum class Shading { kSmooth, kFlat };
 
-/// Size of a file with these counts.
+/// Returns the size, in bytes, of a file with these counts.
 [[nodiscard]] std::uint64_t ply_bytes(const GeometryCounts& counts, Shading shading);
 
 /// Creates files in one existing folder. Errors: kSystem, with the file's name, if the disk is full or reports an

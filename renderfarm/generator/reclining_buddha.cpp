@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Frame: x from head (-5) to feet (+5), y up from the bed, z towards the visitor; metres.
+/// The reclining Buddha. Its frame has x from head (-5) to feet (+5), y up from the bed, and z towards the visitor, in
+/// metres.
 #include <array>
 
 #include "renderfarm/generator/figures.h"
@@ -27,7 +28,7 @@ float left_arm(const Vec3& p) {
   return blend(limb(p, kLeftShoulder, 0.40f, kLeftElbow, 0.29f), limb(p, kLeftElbow, 0.29f, kLeftWrist, 0.20f), 0.12f);
 }
 
-/// The body alone, without the robe below it.
+/// Returns the distance to the body alone, without the robe below it.
 float torso_and_legs(const Vec3& p) {
   float d = ellipsoid(p, {-2.40f, 1.03f, 0.0f}, {1.00f, 0.92f, 0.62f});               // Chest.
   d = blend(d, ellipsoid(p, {-1.00f, 0.86f, 0.08f}, {1.20f, 0.76f, 0.60f}), 0.40f);   // Waist.
@@ -49,7 +50,7 @@ float body(const Vec3& p) {
   return std::max(whole, -0.05f - p.y());  // Cut off below the bed, where it is not visible.
 }
 
-/// Distance from the throat over the breast; the robe's neckline is a circle of this distance.
+/// Returns the distance from the throat over the breast; the robe's neckline is where it equals kNeckline.
 float from_throat(const Vec3& p) {
   const Vec3 q = p - Vec3(-3.42f, 1.12f, 0.18f);
   return std::sqrt(q.x() * q.x() + 1.3f * q.y() * q.y() + 0.5f * q.z() * q.z());
@@ -59,7 +60,7 @@ constexpr float kNeckline = 0.66f;
 
 constexpr float kFold = 0.215f;
 
-/// Folds hang in circles around the throat, run along the legs, and wind around the arm.
+/// Returns the phase of the folds, which hang in circles around the throat and run along the legs.
 float fold_phase(const Vec3& p) {
   const float torso = from_throat(p) / kFold;
   const float middle = mix(1.0f, 0.52f, smooth_step(0.0f, 4.6f, p.x()));
@@ -79,7 +80,7 @@ float fold(const Vec3& p) {
   return mix(cloth, fold_profile(sleeve_phase), arm);
 }
 
-/// Positive where cloth covers the body.
+/// Returns a positive number where cloth covers the body.
 float covered(const Vec3& p) { return p.z() > -0.2f ? from_throat(p) - kNeckline : 1.0f; }
 
 float fold_height(const Vec3& p, float spacing) {
@@ -89,7 +90,7 @@ float fold_height(const Vec3& p, float spacing) {
   return cloth * calm * 0.058f * (fold(p) - 0.45f) * shown(kFold, spacing) + collar;
 }
 
-/// Patchwork of a monk's robe: panels in shades of red, separated by bands; gold roundels.
+/// Paints the patchwork of a monk's robe: panels in shades of red, separated by bands, with gold roundels.
 void lay_patchwork(const Vec3& p, float spacing, Spot& spot) {
   const float along = p.x() + 0.25f * std::sin(1.1f * p.x());
   const float around = std::atan2(p.y() - 0.6f, p.z() + 0.4f) * 0.95f + 0.10f * p.x();
@@ -109,7 +110,7 @@ void lay_patchwork(const Vec3& p, float spacing, Spot& spot) {
   spot.lay(kGold, coverage(r - 0.032f, spacing));
 }
 
-/// A hem `width` wide (0 at its inner edge): scroll of pearls on malachite between gold cords.
+/// Paints a hem of width `width`: blossoms on malachite between gold cords. `across` is 0 at the inner edge.
 void lay_hem(float across, float along, float width, float spacing, Spot& spot) {
   const float middle = across - 0.5f * width;
   spot.lay(mix(kMalachite, kInk, 0.15f), coverage(std::abs(middle) - 0.5f * width, spacing));
@@ -127,14 +128,14 @@ Vec3 robe_colour(const Vec3& p, float spacing) {
   lay_patchwork(p, spacing, spot);
   const float over = covered(p);
   const float turn = 1.3f * std::atan2(p.y() - 1.1f, p.x() + 3.4f);
-  // The under robe shows at the breast, between its own hem and the outer robe's.
+  // The under robe shows at the breast, between its own hem and the hem of the outer robe.
   const float under = from_throat(p) - kOuterRobe + 0.25f * (p.y() - 1.0f);
   if (p.z() > -0.2f) {
     spot.lay(mix(kPaleGreen, kAzurite, 0.30f), coverage(under, spacing));
     lay_hem(under, 1.5f * turn, kCollar, spacing, spot);
     lay_hem(over, turn, kCollar, spacing, spot);
   }
-  // Under robe at the ankles, and the hem that lies on the bed.
+  // The under robe shows at the ankles; a hem is on the bed.
   const float ankles = 4.12f + 0.08f * std::sin(9.0f * p.y()) - p.x();
   spot.lay(mix(kPaleGreen, kAzurite, 0.30f), coverage(ankles, spacing));
   lay_hem(ankles, p.y(), kCollar, spacing, spot);
@@ -169,7 +170,7 @@ Sculpture robe() {
   return s;
 }
 
-/// A limb of bare skin, wrapped around the axis from `from` to `to`.
+/// Returns a limb of bare skin, wrapped around the axis from `from` to `to`.
 Sculpture skin_part(std::function<float(const Vec3&)> distance, const Vec3& from, const Vec3& to, const Vec3& front,
                     float reach, float girth) {
   Sculpture s;
@@ -183,7 +184,7 @@ Sculpture skin_part(std::function<float(const Vec3&)> distance, const Vec3& from
   return s;
 }
 
-/// The right forearm and the hand on which the cheek rests.
+/// Returns the right forearm, and the hand on which the cheek rests.
 Sculpture right_hand() {
   return skin_part(
       [](const Vec3& p) {
@@ -200,7 +201,7 @@ Sculpture right_hand() {
       kRightElbow, {-4.05f, 0.42f, 0.84f}, Vec3(0.0f, 0.6f, 1.0f), 0.75f, 1.5f);
 }
 
-/// The left hand, lying on the thigh.
+/// Returns the left hand, which lies on the thigh.
 Sculpture left_hand() {
   return skin_part(
       [](const Vec3& p) {
@@ -217,7 +218,7 @@ Sculpture left_hand() {
       kLeftWrist, {1.45f, 1.53f, 0.44f}, Vec3(0.0f, 0.6f, 1.0f), 0.75f, 1.4f);
 }
 
-/// Both feet, soles to +x, toes to +z.
+/// Returns a foot, with the sole to +x and the toes to +z.
 Sculpture foot(float height, float back) {
   return skin_part(
       [height, back](const Vec3& p) {

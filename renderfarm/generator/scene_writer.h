@@ -7,10 +7,10 @@
 
 namespace cyclorama::generator {
 
-/// First line of every grotto's scene.toml; identifies a folder that may be replaced.
+/// Start of every grotto's scene.toml, which identifies a folder that may be replaced.
 inline constexpr const char* kSceneMark = "# Made by cyclorama-grotto";
 
-/// Returns the scene.toml of the package. `seed` is for the record.
+/// Returns the scene.toml of the package. `seed` is stated in it for information only.
 [[nodiscard]] std::string scene_toml(const Grotto& grotto, std::uint32_t seed);
 
 }  // namespace cyclorama::generator

@@ -4,7 +4,7 @@
 namespace cyclorama::generator {
 namespace {
 
-/// A viewing position on the axis, and the viewing direction.
+/// A ray from a position on the axis.
 struct Outlook {
   Vec3 origin;
   Vec3 direction;
@@ -26,7 +26,7 @@ class Grid {
     const float turn = 2.0f * kPi * (u - 0.5f);
     const float angle = turn - focus_ * std::sin(turn);
     const Vec3 around = std::cos(angle) * front_ + std::sin(angle) * side_;
-    // Stops short of the poles, where a grid has no normal.
+    // The angle ends short of the poles, where a grid has no normal.
     constexpr float kPole = 0.497f * kPi;
     const float at = v * height_;
     if (at < cap_) return {from_, tilted(around, -kPole * (1.0f - at / cap_))};
@@ -50,7 +50,7 @@ class Grid {
   float height_;
 };
 
-/// Steps from outside towards the axis until it meets the solid.
+/// Returns the distance of the outermost surface along a ray, found by steps from outside towards the axis.
 float outermost(const Sculpture& s, const Outlook& look) {
   constexpr int kMaxSteps = 48;
   const float close = 2e-4f * s.reach;

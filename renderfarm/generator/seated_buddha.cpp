@@ -42,13 +42,13 @@ float body(const Vec3& p) {
   // Thigh, and the shin crossed before it.
   d = blend(d, limb(m, {0.12f, 0.10f, 0.02f}, 0.105f, {0.40f, 0.085f, 0.12f}, 0.085f), 0.05f);
   d = blend(d, limb(m, {0.40f, 0.075f, 0.14f}, 0.078f, {0.06f, 0.075f, 0.265f}, 0.062f), 0.04f);
-  // Arms, sleeves hanging from them.
+  // Arms, with sleeves that hang from them.
   d = blend(d, limb(m, {0.225f, 0.545f, -0.01f}, 0.070f, {0.285f, 0.30f, 0.01f}, 0.060f), 0.04f);
   d = blend(d, limb(m, {0.285f, 0.29f, 0.02f}, 0.062f, {0.10f, 0.205f, 0.20f}, 0.045f), 0.04f);
   return blend(d, hands(p), 0.015f);
 }
 
-/// Opening of the robe at the breast: negative on skin, about 0 at the hem.
+/// Returns the distance to the opening of the robe at the breast: negative on skin, about 0 at the hem.
 float opening(const Vec3& p) {
   if (p.z() < 0.02f || p.y() < 0.33f) return 1.0f;
   return ellipse({p.x() + 0.018f, p.y()}, {0.0f, 0.60f}, {0.105f, 0.20f});
@@ -56,7 +56,7 @@ float opening(const Vec3& p) {
 
 constexpr float kFold = 0.052f;
 
-/// Folds: rings from the shoulders over the trunk, rings around the knees over the legs.
+/// Returns the phase of the folds: rings from the shoulders over the trunk, and rings around the knees over the legs.
 float fold_phase(const Vec3& p) {
   const float trunk = std::hypot(p.x() * 0.75f + 0.04f, p.y() - 0.74f) / kFold;
   const float legs = std::hypot(std::abs(p.x()) - 0.05f, (p.y() - 0.30f) * 1.2f) / kFold;
@@ -93,7 +93,7 @@ Sculpture trunk(const Robes& robes) {
   return s;
 }
 
-/// A waist with two rows of petals.
+/// Returns the throne: a waist with two rows of petals.
 Sculpture throne(std::uint32_t variety) {
   Sculpture s;
   constexpr int kPetals = 16;

@@ -8,13 +8,13 @@
 namespace cyclorama::generator {
 namespace {
 
-/// Height of the brow at `x` from the middle.
+/// Returns the height of the brow at `x` from the middle.
 float brow_height(float x, float sorrow) {
   const float t = unit_clamp((x - 0.07f) / 0.53f);
   return 0.13f + 0.15f * std::sin(kPi * std::pow(t, 0.8f)) - 0.07f * t + sorrow * 0.10f * (0.5f - t);
 }
 
-/// Positive where hair grows, roughly in units of length.
+/// Returns a number, roughly a length, that is positive where hair grows.
 float hair_depth(const Vec3& p) {
   const float line = mix(-0.62f, 0.56f, smooth_step(-0.15f, 0.50f, p.z()));
   return std::min(p.y() - line, 0.62f);
@@ -31,7 +31,7 @@ float skull(const Vec3& p, const StatueHeadStyle& style) {
 
 float features(const Vec3& p, float d, const StatueHeadStyle& style) {
   const Vec3 m{std::abs(p.x()), p.y(), p.z()};
-  // Sockets, then the lids' bulge in them.
+  // Sockets, then the bulge of the lids in them.
   d = carve(d, ellipsoid(m, {0.30f, 0.03f, 0.97f}, {0.24f, 0.10f, 0.17f}), 0.18f);
   d = blend(d, ellipsoid(m, {0.29f, -0.01f, 0.655f}, {0.21f, 0.105f, 0.16f}), 0.04f);
   // Brow ridge, along the arc.
@@ -85,7 +85,7 @@ float relief_of(const Vec3& p, const StatueHeadStyle& style) {
   return relief;
 }
 
-/// A half-closed eye looking down: both edges of the opening sag, the lower one more.
+/// Paints a half-closed eye that looks down: both edges of the opening sag, the lower edge more.
 void lay_eye(const Vec2& p, float spacing, Spot& spot) {
   const float q = (p.x() - 0.295f) / 0.205f;
   const float arch = std::max(0.0f, 1.0f - q * q);
@@ -156,7 +156,7 @@ Sculpture statue_head(const StatueHeadStyle& style) {
   s.reach = 1.6f;
   s.front_focus = 0.50f;
   s.ends = 0.75f;
-  s.girth = 3.0f;  // Less than the circumference: more rows remain for lids and lips, which run along them.
+  s.girth = 3.0f;  // Less than the circumference, so that more rows remain for lids and lips, which run along rows.
   return s;
 }
 

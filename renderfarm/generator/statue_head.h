@@ -13,8 +13,8 @@ struct StatueHeadStyle {
   float age = 0.0f;     ///< 1 is gaunt.
 };
 
-/// One unit is half the height from chin to crown; the origin lies inside, between the eyes. The neck extends down to
-/// -1.6.
+/// Returns a head. One unit is half the height from chin to crown; the origin is inside the head, between the eyes. The
+/// neck extends down to -1.6.
 [[nodiscard]] Sculpture statue_head(const StatueHeadStyle& style);
 
 }  // namespace cyclorama::generator

@@ -8,7 +8,8 @@
 namespace cyclorama::generator {
 namespace {
 
-constexpr int kMinQuads = 4;  ///< Along either side of a patch; an arch or a head is still recognisable with these.
+/// Minimum along either side of a patch, with which an arch or a head is still recognisable.
+constexpr int kMinQuads = 4;
 
 std::uint64_t triangles_of(const Patch& patch) {
   return 2u * static_cast<std::uint64_t>(patch.columns) * static_cast<std::uint64_t>(patch.rows);
@@ -35,7 +36,7 @@ std::uint64_t set_resolution(std::vector<Part>& parts, double scale) {
   return sum;
 }
 
-/// Adds what rounding left over as rows to the largest patch, where one row matters least.
+/// Adds the triangles that rounding left over to the largest patch, as rows; one row matters least there.
 void spend_rest(std::vector<Part>& parts, std::uint64_t rest) {
   Patch* largest = nullptr;
   for (Part& part : parts) {
@@ -47,7 +48,7 @@ void spend_rest(std::vector<Part>& parts, std::uint64_t rest) {
   largest->rows += static_cast<int>(rest / (2u * static_cast<std::uint64_t>(largest->columns)));
 }
 
-/// Three rows of a patch, as required for the normals of the middle one.
+/// Three rows of a patch, as required for the normals of the middle row.
 class RowWindow {
  public:
   explicit RowWindow(const Patch& patch) : patch_(patch), spacing_(patch.spacing_m()) {
@@ -56,7 +57,7 @@ class RowWindow {
     compute(1, rows_[2]);
   }
 
-  /// Computes the vertices of `row`, which increases by 1 from call to call, from 0.
+  /// Computes the vertices of `row`, which must be 0 in the first call and increase by 1 with each call.
   void next(int row, std::vector<Vertex>& ret_vertices) {
     const bool first = row == 0;
     const bool last = row == patch_.rows;
@@ -88,7 +89,7 @@ class RowWindow {
     const std::size_t right = i < last ? i + 1 : (patch_.closed ? 1 : last);
     Vec3 normal = (row[right].position - row[left].position).cross(below[i].position - above[i].position);
     const float length = normal.norm();
-    // A grid that folds to a point has no normal there; any unit vector will do.
+    // A grid that folds to a point has no normal there; any unit vector is as good.
     normal =
         length > std::numeric_limits<float>::min() ? Vec3(normal / (patch_.flipped ? -length : length)) : Vec3::UnitY();
     Vertex vertex;

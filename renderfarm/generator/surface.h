@@ -18,15 +18,15 @@ struct Surfel {
   Vec3 colour;
 };
 
-/// One grid. `at` is a pure function of (u, v) in [0, 1]^2 and of the distance between vertices in metres, by which it
-/// blurs the paint. A value; reentrant.
+/// One grid. `at` is a pure function of (u, v) in [0, 1]^2 and of the distance between vertices in metres, with which
+/// it blurs the paint. A value; reentrant.
 struct Patch {
   /// Approximate length along u; with height and density it determines the patch's share of the triangles.
   float width_m = 1.0f;
   float height_m = 1.0f;  ///< Approximate length along v.
   float density = 1.0f;   ///< Vertices per metre, relative to the other patches.
   bool closed = false;    ///< u = 0 and u = 1 meet; shading continues across the seam.
-  bool flipped = false;   ///< Faces opposite to (d/du x d/dv).
+  bool flipped = false;   ///< The patch faces opposite to (d/du x d/dv).
   std::function<Surfel(float u, float v, float spacing_m)> at;
   int columns = 1;  ///< Quads along u.
   int rows = 1;     ///< Quads along v.
@@ -51,7 +51,7 @@ struct Part {
 /// on, at least 98 % of them. Errors: kInvalidArgument if even the coarsest grids have more.
 Status share_triangles(std::vector<Part>& parts, std::uint64_t triangles);
 
-/// Called after some rows with the triangles computed since the last call; returns false to stop the work.
+/// Called after some rows with the number of triangles computed since the last call; returns false to stop the work.
 using RowsDone = std::function<bool(std::uint64_t triangles)>;
 
 /// Computes a part and writes it to `file`, vertices first. Errors: kUnavailable if `rows_done` stopped it; otherwise

@@ -16,7 +16,7 @@ constexpr float kBandFrom = 3.50f;
 constexpr float kGridFrom = 0.86f;  ///< The thousand Buddhas begin at this height.
 constexpr float kPetalsFrom = 0.60f;
 
-/// Distance to the outline of a niche in the face of the wall: an arch on straight sides. Negative inside.
+/// Returns the distance to the outline of a niche, an arch on straight sides; negative inside.
 float arch(const Niche& niche, const Vec2& p) {
   const float half = 0.5f * niche.width;
   const Vec2 q{p.x() - niche.centre, p.y() - niche.sill};
@@ -39,13 +39,13 @@ Nearest nearest_niche(const WallFrame& frame, const Vec2& p) {
   return nearest;
 }
 
-/// Depth of the face at `distance` into a niche: steep at the rim, flat at the back.
+/// Returns the depth of a niche at `distance` from its outline: steep at the rim, flat at the back.
 float recess(const Niche& niche, float distance) {
   const float t = unit_clamp(-distance / (0.30f * niche.width));
   return niche.depth * std::sqrt(1.0f - (1.0f - t) * (1.0f - t));
 }
 
-/// Back of a niche: bands of colour that follow the arch, darker with depth.
+/// Returns the colour of a niche: bands that follow the arch, darker with depth.
 Vec3 niche_colour(const Niche& niche, const Vec2& p, float distance, float spacing) {
   const std::array<Vec3, 6> bands = {kPaleGreen, kWhite, kRust, kPaleBlue, kOchre, kRust};
   const float step = 0.085f * niche.width;
@@ -60,10 +60,10 @@ Vec3 niche_colour(const Niche& niche, const Vec2& p, float distance, float spaci
   return spot.colour();
 }
 
-/// Signed distance to the outline of the door.
+/// Returns the signed distance to the outline of the door.
 float door(const Vec2& p) { return box(p, {0.0f, 0.0f}, {kDoorHalfWidth, kDoorHeight}); }
 
-/// Colour bands of the wall, from the floor to the cove.
+/// Returns the colour of the wall's bands, from the floor to the cove.
 Vec3 bands_colour(const Vec2& p, float spacing) {
   const float y = p.y();
   if (y > kValanceFrom)
@@ -101,8 +101,8 @@ Vec3 face_colour(const WallFrame& frame, const Vec2& p, float spacing) {
   return spot.colour();
 }
 
-/// Distance to the nearest edge at which the face meets another: corners, the cove, the door and the line above its
-/// posts.
+/// Returns the distance to the nearest edge at which the face meets another face: corners, the cove, the door and the
+/// line above its posts.
 float to_edge(const WallFrame& frame, const Vec2& p, float half_width) {
   const float edge = std::min(half_width - std::abs(p.x()), kWallHeight - p.y());
   if (!frame.has_door) return edge;
@@ -110,7 +110,7 @@ float to_edge(const WallFrame& frame, const Vec2& p, float half_width) {
   return std::min({edge, std::abs(post), post > 0.0f ? edge : std::abs(p.y() - kDoorHeight)});
 }
 
-/// Rough rock under plaster: distance of the face from its plane, positive into the room; 0 at its edges.
+/// Returns the distance of the face from its plane, positive into the room: rough rock under plaster, 0 at the edges.
 float face_height(const WallFrame& frame, const Vec2& p, const Vec3& p3, const Age& age, float half_width,
                   std::uint32_t seed) {
   float height = 0.055f * fractal_noise(p3 * 0.55f, 3, seed + 101u) + 0.006f * noise(p3 * 5.0f, seed + 102u);
@@ -129,7 +129,8 @@ float face_height(const WallFrame& frame, const Vec2& p, const Vec3& p3, const A
   return height - recess(*near.niche, near.distance);
 }
 
-/// Paint is lost near the floor, through damp and visitors, and in the corners.
+/// Returns the share of paint that is lost, which is greatest near the floor, through damp and visitors, and in
+/// corners.
 float loss_at(const Vec2& p, float half_width) {
   return 0.14f + 0.5f * smooth_step(0.7f, 0.0f, p.y()) + 0.30f * smooth_step(0.6f, 0.0f, half_width - std::abs(p.x()));
 }
@@ -141,7 +142,8 @@ struct Extent {
   float top;
 };
 
-/// Rows are concentrated at viewing height: the fraction `rows_low` of them lies below `knee`.
+/// Returns a part of a wall. Its rows are concentrated at viewing height: the fraction `rows_low` of them is below
+/// `knee`.
 Patch face(const WallFrame& frame, const Extent& extent, float knee, float rows_low, float half_width, float density,
            std::uint32_t seed) {
   Patch patch;
@@ -164,7 +166,7 @@ Patch face(const WallFrame& frame, const Extent& extent, float knee, float rows_
   return patch;
 }
 
-/// The wall with the door: pieces to the left, to the right and above.
+/// Returns the wall with the door: pieces to the left, to the right and above.
 std::vector<Patch> entrance(const WallFrame& frame, std::uint32_t seed) {
   constexpr float kDensity = 0.38f;
   return {face(frame, {-kHalfLength, -kDoorHalfWidth, -0.2f, kWallHeight}, 0.8f, 0.15f, kHalfLength, kDensity, seed),

@@ -16,7 +16,8 @@
 namespace cyclorama::render {
 namespace {
 
-/// Returns false for a flattened placement, which has no inside that a ray could enter, and Embree cannot invert it.
+/// Returns false for a flattened placement: Embree cannot invert its matrix, and it has no inside that a ray could
+/// enter.
 bool is_placeable(const Placement& placement) {
   const float volume = placement.linear.determinant();
   return std::isnormal(volume) && std::isfinite(1.0f / volume) && is_finite(placement.translation);
@@ -120,7 +121,7 @@ RTCGeometry Accelerator::make_triangles(const scene::Mesh& mesh, SurfaceMesh* tr
     rtcSetGeometryIntersectFilterFunction(geometry, &alpha_filter);
     rtcSetGeometryOccludedFilterFunction(geometry, &alpha_filter);
   }
-  // What a pane takes from a shadow ray is found afterwards, by cross_panes().
+  // cross_panes() computes afterwards how panes attenuate shadow rays.
   if (traced->material->pane) rtcSetGeometryOccludedFilterFunction(geometry, &pass_all_filter);
   rtcCommitGeometry(geometry);
   return geometry;
@@ -194,7 +195,7 @@ Status Accelerator::add_meshes(scene::Scene& scene, TraceScene* ret_traced) {
   const Eigen::Vector3d origin = render_origin(scene);
   const std::vector<int> uses = uses_of_meshes(model);
   see_through_ = see_through_textures(model);
-  // Reserved because the tables point at each other. A material that blends on some meshes only is stored twice.
+  // Reserved, because the tables point to each other. A material that blends only on some meshes is stored twice.
   ret_traced->materials.reserve(model.materials.size() + model.meshes.size());
   ret_traced->meshes.reserve(model.meshes.size());
   for (const scene::Material& material : model.materials) {

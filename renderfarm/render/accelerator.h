@@ -14,13 +14,13 @@
 
 namespace cyclorama::render {
 
-/// Owns Embree's device and scenes. Borrows the vertex and index arrays of the scene it was built for, which must
+/// Owns Embree's device and scenes. Borrows the vertex and index arrays of the scene for which it was built; they must
 /// outlive it and not change. Thread-safe once built.
 class Accelerator {
  public:
-  /// Bakes the meshes of `scene` that are used once, and fills `ret_traced` with tables that point into the scene.
-  /// Errors: kInvalidArgument if there are neither triangles nor splats; kSystem if the scene would not fit into memory or Embree
-  /// fails.
+  /// Builds the BVH of `scene`, bakes its meshes that have one instance (see bake()), and fills `ret_traced` with
+  /// tables that point into the scene. Errors: kInvalidArgument if there are neither triangles nor splats; kSystem if
+  /// the scene would not fit into memory or Embree fails.
   static Result<std::unique_ptr<Accelerator>> build(scene::Scene& scene, int threads,
                                                     const std::function<void(double)>& progress,
                                                     TraceScene* ret_traced);
@@ -36,12 +36,12 @@ class Accelerator {
   /// Returns Embree's error since the last call as one sentence, prefixed with `doing`.
   Status check(const char* doing) const;
   Status add_meshes(scene::Scene& scene, TraceScene* ret_traced);
-  /// Adds a mesh. One that is used more than once gets a BVH of its own, which its instances share.
+  /// Adds a mesh. A mesh with several instances gets a separate BVH, which they share.
   void add_mesh(const scene::Model& model, scene::Mesh& mesh, int uses, TraceScene* ret_traced);
-  /// Adds an instance; bakes its mesh if that is used once.
+  /// Adds an instance, and bakes its mesh if the mesh has no other instance.
   void add_instance(scene::Model& model, scene::Instance& instance, const Eigen::Vector3d& origin,
                     TraceScene* ret_traced);
-  /// Adds the last placement's geometry to the panes.
+  /// Adds the geometry of the last placement to the panes.
   void add_pane(RTCGeometry geometry, TraceScene* ret_traced);
   Status add_lights(const scene::Scene& scene, TraceScene* ret_traced);
   RTCGeometry make_triangles(const scene::Mesh& mesh, SurfaceMesh* traced);
@@ -50,13 +50,13 @@ class Accelerator {
 
   RTCDevice device_ = nullptr;
   RTCScene top_ = nullptr;
-  RTCScene panes_ = nullptr;  ///< Null if there are none.
+  RTCScene panes_ = nullptr;  ///< Null if there are no panes.
   struct Part {
     RTCScene scene;
     std::size_t triangles;
   };
   std::vector<Part> parts_;
-  std::unique_ptr<SplatScene> splats_;  ///< Null if there are none.
+  std::unique_ptr<SplatScene> splats_;  ///< Null if there are no splats.
   std::vector<RTCScene> part_of_mesh_;  ///< Null for meshes that are used once.
   std::vector<bool> see_through_;       ///< For each texture of the model: whether any of its texels is transparent.
   std::size_t top_triangles_ = 0;

@@ -5,8 +5,8 @@
 
 namespace cyclorama::render {
 
-/// Embree's filter function: rejects a hit in a hole of a cut-out material, and rejects it at random, by the ray's id,
-/// where a material is partly transparent. The geometry's user data is its SurfaceMesh. Reentrant.
+/// Embree filter function. Rejects hits in the holes of a cut-out material; where a material is partly transparent,
+/// rejects them at random, with the ray's id as the seed. The geometry's user data is its SurfaceMesh. Reentrant.
 void alpha_filter(const RTCFilterFunctionNArguments* arguments);
 /// Rejects every hit. Reentrant.
 void pass_all_filter(const RTCFilterFunctionNArguments* arguments);

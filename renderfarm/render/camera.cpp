@@ -16,8 +16,8 @@ using Kind = RayCamera::Kind;
 
 #define CYCLORAMA_INLINE [[gnu::always_inline]] inline
 
-// Polynomials through the Chebyshev nodes of [0, (pi/2)^2] with the constant fixed at 1; maximum errors 2.6e-8 and
-// 5.6e-9.
+// The next two functions are polynomials through the Chebyshev nodes of [0, (pi/2)^2] with the constant fixed at 1;
+// their maximum errors are 2.6e-8 and 5.6e-9.
 
 /// Returns sin(a) / a for |a| <= pi/2, given a^2.
 CYCLORAMA_INLINE float sine_over_angle(float a2) {
@@ -40,7 +40,7 @@ CYCLORAMA_INLINE Turned turned_by_twice(float half) {
   return {2.0f * s * cosine(half2), 1.0f - 2.0f * s * s};
 }
 
-/// The direction of a pixel for an eye in the sweet spot, in the picture's own axes; not normalised.
+/// The direction of a pixel for an eye in the sweet spot, in the picture's axes; not normalised.
 struct Seen {
   float x;
   float y;
@@ -74,7 +74,8 @@ CYCLORAMA_INLINE Seen seen_at(const Setup& s, float x, float y) {
   }
 }
 
-/// `__restrict__` takes effect only on parameters once the function is inlined; nothing is vectorised without it.
+/// The arrays are separate parameters, because after inlining `__restrict__` takes effect only on parameters, and
+/// nothing is vectorised without it.
 template <Kind kKind, bool kMoves>
 CYCLORAMA_INLINE void trace(const Setup s, int count, const float* __restrict__ in_x, const float* __restrict__ in_y,
                             float* __restrict__ origin_x, float* __restrict__ origin_y, float* __restrict__ origin_z,
@@ -166,7 +167,7 @@ int mark_circle(const Setup& s, int count, const float* __restrict__ in_x, const
   return inside;
 }
 
-/// Converts a range of angles or tangents over `pixels` pixels to the scale and offset of the loops.
+/// Converts a range of angles or tangents over `pixels` pixels to the scale and offset of a Setup.
 void spread(double from, double to, int pixels, float* ret_scale, float* ret_offset) {
   *ret_scale = static_cast<float>((to - from) / pixels);
   *ret_offset = static_cast<float>(0.5 * (from + to));

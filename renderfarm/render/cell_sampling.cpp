@@ -18,7 +18,8 @@ float displayed(const TraceView& view, double light) {
   return linear_to_srgb(tone_mapped(view.exposure * static_cast<float>(light), view.tone));
 }
 
-/// Returns half the difference on the display between the mean plus one standard error and the mean minus one.
+/// Returns the standard error of displayed luminance: half the difference between the displayed values of the mean plus
+/// one standard error and of the mean minus one standard error.
 float displayed_error(const TraceView& view, const CellFilm& film, std::size_t pixel) {
   const auto n = static_cast<double>(film.samples[pixel]);
   const double mean = static_cast<double>(luminance(film.sum[pixel])) / n;
@@ -27,8 +28,9 @@ float displayed_error(const TraceView& view, const CellFilm& film, std::size_t p
   return 0.5f * (displayed(view, mean + error) - displayed(view, std::max(0.0, mean - error)));
 }
 
-/// Returns the difference from a neighbour, in codes, above which a pixel of stored light gets all of its samples. With
-/// more samples finer differences are worth a ray: `./bench.sh light-equal-error` has the errors that this leaves.
+/// Returns the difference from a neighbour, in codes, above which a pixel of stored light gets all of its samples. The
+/// more samples a view has, the finer the differences to which they are applied. `./bench.sh light-equal-error` reports
+/// the errors that remain.
 int contrast_codes(int samples) { return std::clamp(80 / samples, 6, 24); }
 
 }  // namespace
@@ -96,7 +98,7 @@ std::uint64_t sample_cell(const TraceScene& scene, ShadeStage shade, const Trace
     part.middle = true;
     const std::uint64_t rays = trace_cell(scene, shade, view, part, batch, film);
     if (view.quality.samples == 1 || !find_contrast(view, cell, film)) return rays;
-    // The middle would count too much beside samples that are spread evenly.
+    // The sample at the middle would have too much weight among samples that are spread evenly.
     film.restart_active();
     part.samples = view.quality.samples;
     part.middle = false;

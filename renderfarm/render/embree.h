@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Supports Embree 3.13 (Debian 12) and 4.3 (Debian 13). Only this file depends on the version; all other code uses
-/// what both share.
+/// only what both versions share.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,7 +16,8 @@ namespace cyclorama::render {
 /// Hint for the traversal: camera rays of one pixel are coherent, scattered rays are not.
 enum class Coherence { kCoherent, kIncoherent };
 
-/// Rays per packet: the width of the widest vectors. Processors with narrower ones take several steps.
+/// Rays per packet: the number of lanes of the widest vector registers. Processors with narrower registers take several
+/// steps.
 inline constexpr int kPacketRays = 16;
 
 /// Embree's query arguments. Cheap to construct.
@@ -35,14 +36,15 @@ class Query {
 #endif
   }
 
-  /// Traces the lanes whose `valid` is -1. Where nothing was hit, hit.geomID stays RTC_INVALID_GEOMETRY_ID.
+  /// Finds the nearest hits of the lanes whose `valid` is -1. If a ray hits nothing, its hit.geomID stays
+  /// RTC_INVALID_GEOMETRY_ID.
 #if RTC_VERSION_MAJOR >= 4
   void nearest(RTCScene scene, const int* valid, RTCRayHit16* rays) { rtcIntersect16(valid, scene, rays, &intersect_); }
-  /// Sets tfar below zero where anything lies on the ray.
+  /// Sets tfar below zero for each ray that hits anything.
   void any(RTCScene scene, const int* valid, RTCRay16* rays) { rtcOccluded16(valid, scene, rays, &occluded_); }
 #else
   void nearest(RTCScene scene, const int* valid, RTCRayHit16* rays) { rtcIntersect16(valid, scene, &context_, rays); }
-  /// Sets tfar below zero where anything lies on the ray.
+  /// Sets tfar below zero for each ray that hits anything.
   void any(RTCScene scene, const int* valid, RTCRay16* rays) { rtcOccluded16(valid, scene, &context_, rays); }
 #endif
 
@@ -55,7 +57,7 @@ class Query {
 #endif
 };
 
-/// A query of one ray that carries data for the functions of user geometries. Thread-bound.
+/// A query of one ray that carries data for the callbacks of user geometries. Thread-bound.
 template <typename Payload>
 struct RayContext {
 #if RTC_VERSION_MAJOR >= 4
@@ -72,12 +74,13 @@ struct RayContext {
     rtcInitIntersectContext(&base);
 #endif
   }
-  /// Precondition: the query is nearest() of a RayContext of this payload.
+  /// Returns the payload of the query to which `context` belongs. Precondition: nearest() of a RayContext with this
+  /// type of payload started the query.
   template <typename Base>
   static Payload* of(Base* context) {
     return &reinterpret_cast<RayContext*>(context)->payload;
   }
-  /// Calls the functions of all geometries that the ray meets between `near_m` and `far_m`.
+  /// Calls the callbacks of the user geometries that the ray meets between `near_m` and `far_m`.
   void nearest(RTCScene scene, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float near_m,
                float far_m) {
     RTCRayHit ray{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Sums over the samples of each pixel, such that films of one view can be added.
+/// Sums over the samples of each pixel; films of the same view can be added.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,20 @@ using ScalarImage = Image<float, 1>;
 
 /// Features of the first surface for a denoiser: means over the pixel's samples.
 struct FilmFeatures {
-  RadianceImage albedo;  ///< Sum over all lobes; 1 where the eye sees no surface, 0 where the picture shows nothing.
+  RadianceImage albedo;  ///< Sum over all lobes; 1 where the eye sees no surface, 0 where a pixel has no ray.
   RadianceImage normal;  ///< Shading normal, render frame; zero where the eye sees no surface.
   ScalarImage distance;  ///< Metres along the ray; 0 where the eye sees no surface.
 };
 
-/// A value. All images but `depth` have the same size; linear light, exposed (radiance times the scene's exposure).
+/// A value. All images except `depth` have the same size. Light is linear and exposed: radiance times the scene's
+/// exposure.
 struct Film {
   RadianceImage sum;   ///< Sum of the samples' radiance.
   ScalarImage square;  ///< Sum of the samples' squared luminance.
   Image<std::int32_t, 1> samples;
   FilmFeatures features;  ///< Empty unless requested.
-  /// Has the cells that the film's part of the picture touches, each from all its samples, also those outside the part.
-  /// Empty unless the view requests depth.
+  /// Inverse depth of the cells that the film's part of the picture touches. Each cell is computed from all of its
+  /// samples, including those outside the part. Empty unless the view requests depth.
   InverseDepthImage depth;
 
   Film() = default;
@@ -34,10 +35,10 @@ struct Film {
   [[nodiscard]] int width() const { return sum.width(); }
   [[nodiscard]] int height() const { return sum.height(); }
 
-  /// Precondition: the same part of the picture, disjoint sample numbers, and features, and depth, in both films or in
-  /// neither.
+  /// Adds the samples of `other`. Precondition: both films show the same part of the picture with disjoint sample
+  /// numbers; either both or neither have features, and likewise depth.
   void add(const Film& other);
-  /// Mean radiance; black where there are no samples.
+  /// Returns the mean radiance; black where there are no samples.
   [[nodiscard]] RadianceImage mean() const;
   /// Returns the variance of the mean's luminance, estimated from the scatter of the samples (an overestimate, because
   /// they are stratified). Infinite for fewer than two samples.

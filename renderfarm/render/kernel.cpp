@@ -15,9 +15,10 @@ namespace cyclorama::render {
 namespace {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
-/// Excludes only the distance 0, so that an eye exactly in a lamp's plane does not see the lamp's black back.
+/// Start of camera rays. Excludes only the distance 0, so that an eye exactly in a lamp's plane does not see the lamp's
+/// black back.
 constexpr float kNotAtTheEye = 1e-30f;
-/// Samples of a pixel that are traced together: one packet.
+/// Maximum number of samples of a pixel that are traced together: one packet.
 constexpr int kMaxPacketSamples = kPacketRays;
 
 constexpr std::uint32_t even_bits(std::uint32_t v) {
@@ -54,7 +55,7 @@ void add_path(const TraceView& view, const TraceCell& cell, CellPlace place, int
   batch.seed[i] = path.seed;
 }
 
-/// Generates the camera rays of the paths. Pixels that see nothing have none.
+/// Generates the camera rays of the paths. Pixels outside a fisheye's circle have none.
 void generate_camera_rays(const TraceView& view, const TraceCell& cell, PathBatch& batch) {
   SurfaceRandomNumbers& random_numbers = batch.random_numbers;
   if (cell.middle) {
@@ -72,8 +73,8 @@ void generate_camera_rays(const TraceView& view, const TraceCell& cell, PathBatc
   view.camera.rays(batch.paths, random_numbers.place_u.data(), random_numbers.place_v.data(),
                    {eyes.origin[0].data(), eyes.origin[1].data(), eyes.origin[2].data(), eyes.direction[0].data(),
                     eyes.direction[1].data(), eyes.direction[2].data(), eyes.cone.data(), eyes.exists.data()});
-  // The footprint of each sample is the pixel's over the square root of their number: many samples see textures at full
-  // sharpness.
+  // A sample's footprint is the pixel's divided by the square root of the number of samples, so many samples show
+  // textures at full sharpness.
   const float share = cell.middle ? 1.0f : 1.0f / std::sqrt(static_cast<float>(sequence_length(view.quality)));
   RayStage& stage = batch.current();
   for (std::size_t i = 0; i < static_cast<std::size_t>(batch.paths); ++i) {
@@ -90,7 +91,7 @@ void generate_camera_rays(const TraceView& view, const TraceCell& cell, PathBatc
   }
 }
 
-/// Notes the distances of the surfaces that the camera rays met: the first ones, whether mirrors, glass or opaque.
+/// Records the distances of the first surfaces that the camera rays hit, whether they are mirrors, glass or opaque.
 void note_depth(PathBatch& batch, CellFilm& film) {
   const RayStage& stage = batch.current();
   for (int i = 0; i < stage.rays.count(); ++i) {
@@ -102,7 +103,8 @@ void note_depth(PathBatch& batch, CellFilm& film) {
   }
 }
 
-/// Adds the paths' light to their pixels in the order of the paths, so the sums do not depend on how a picture is cut.
+/// Adds the paths' light to their pixels in the order of the paths, so the sums do not depend on how a picture is
+/// divided.
 void collect(const TraceView& view, const PathBatch& batch, CellFilm& film) {
   const float limit = view.quality.firefly_limit / view.exposure;
   const float brightest = kBrightest / std::max(1.0f, view.exposure);

@@ -12,11 +12,11 @@
 namespace cyclorama::render {
 namespace {
 
-/// Peak memory of the BVH while it is built, plus 64 bytes of TriangleRecord. Measured: 110 bytes with Embree 3.13 on
-/// meshes of 0.7 to 6 million triangles; the rest is margin.
+/// Peak memory of the BVH while it is built, plus 64 bytes of TriangleRecord. The BVH was measured as 110 bytes with
+/// Embree 3.13 on meshes of 0.7 to 6 million triangles; the rest is margin.
 constexpr std::size_t kPeakBytesPerTriangle = 120 + 64;
 constexpr std::size_t kBytesPerInstance = 1024;
-/// Measured by `./bench.sh splats`: 64 bytes of record and some 80 of BVH once it is built; the rest is margin.
+/// `./bench.sh splats` measures 64 bytes of record and about 80 of BVH once it is built; the rest is margin.
 constexpr std::size_t kPeakBytesPerSplat = 400;
 constexpr std::size_t kReserveBytes = std::size_t{64} << 20;
 
@@ -34,7 +34,7 @@ std::optional<std::size_t> bytes_of(std::string_view text) {
   return static_cast<std::size_t>(*value);
 }
 
-/// Returns the inactive file pages of memory.stat.
+/// Returns the bytes of inactive file pages that memory.stat reports.
 std::size_t reclaimable_bytes(const std::string& stat) {
   constexpr std::string_view kField = "inactive_file ";
   std::istringstream lines(stat);

@@ -31,7 +31,7 @@ Taps taps_of(int target, int source_size) {
   const int first = 2 * target;
   if (source_size == 1) return {};
   if (source_size % 2 == 0) return {first, 2, {0.5f, 0.5f, 0.0f}};
-  // 2m + 1 texels map to m: each of the m covers 2 + 1/m and shares its outer ones with its neighbours.
+  // 2m + 1 texels map to m texels, each of which covers 2 + 1/m and shares its outer ones with its neighbours.
   const auto m = static_cast<float>(source_size / 2);
   const auto i = static_cast<float>(target);
   const float covered = 2.0f + 1.0f / m;
@@ -46,7 +46,7 @@ std::vector<Taps> all_taps(int source_size) {
 
 std::uint8_t rounded(float code) { return static_cast<std::uint8_t>(std::lrint(std::clamp(code, 0.0f, 255.0f))); }
 
-/// Mean of texels. Codes of linear data are summed without decoding: such sums are exact, and ties round to even.
+/// Mean of texels. Codes of linear data are summed without decoding: these sums are exact, and ties round to even.
 template <TextureContent kContent>
 struct Mean {
   std::array<float, 3> sum{};

@@ -2,9 +2,9 @@
 /// Mipmapped textures: one lookup returns the mean of all texels that a pixel covers.
 ///
 /// Level 0 is the scene's own image, not copied. Each further level has half the width and half the height of the one
-/// before, rounded down, to 1x1; together they take a third of level 0. Texels are means over the area that they cover,
-/// with odd sizes too: of linear light for colour textures, of the vectors for normal maps. They are stored in the
-/// texture's own coding; rounding accumulates to about one code value in the last levels.
+/// before, rounded down, to 1x1; together they take a third of level 0. Each texel is the mean over the area that it
+/// covers, even if a size is odd: the mean of linear light for colour textures, of the vectors for normal maps. Texels
+/// are stored in the texture's coding; rounding accumulates to about one code value in the last levels.
 #pragma once
 
 #include <cstddef>
@@ -48,7 +48,7 @@ class MipTexture {
   [[nodiscard]] scene::WrapMode wrap_u() const { return wrap_u_; }
   [[nodiscard]] scene::WrapMode wrap_v() const { return wrap_v_; }
   [[nodiscard]] bool nearest() const { return nearest_; }
-  /// Returns the memory besides the scene's own image.
+  /// Returns the memory used in addition to the scene's image.
   [[nodiscard]] std::size_t bytes() const { return smaller_.size(); }
 
  private:
@@ -62,13 +62,14 @@ class MipTexture {
 /// Returns MipTexture::bytes() of `texture` without creating it.
 [[nodiscard]] std::size_t mip_bytes(const scene::Texture& texture);
 
-/// The textures of one model as its materials use them; each is created once per content. Thread-bound until built,
-/// then thread-safe to read.
+/// The textures of one model as its materials use them; each is created once for each TextureContent. Thread-bound
+/// until built, then thread-safe to read.
 class MipTextures {
  public:
-  /// Returns null if the use has no texture. The pointer stays valid; the texture may be read after build().
+  /// Requests a texture; returns null if `use` has none. The pointer stays valid; the texture may be read after
+  /// build().
   const MipTexture* request(const scene::Model& model, const scene::TextureUse& use, TextureContent content);
-  /// Creates the requested textures with `threads` threads (0: all of them).
+  /// Creates the requested textures with `threads` threads (0 uses all cores).
   void build(int threads);
   [[nodiscard]] std::size_t bytes() const;
 

@@ -37,7 +37,7 @@ void cross_panes(const TraceScene& scene, PathBatch& batch) {
   for (int pane = 0; rays.count() > 0; ++pane) {
     const int count = rays.count();
     batch.rays_traced += static_cast<std::uint64_t>(count);
-    // Remaining distance of each ray, since a hit overwrites the ray's own.
+    // Remaining distance of each ray, because a hit overwrites the distance in the ray.
     std::array<float, kMaxRays> left;
     for (int i = 0; i < count; ++i) left[static_cast<std::size_t>(i)] = rays.distance(i);
     trace_nearest(scene.panes, Coherence::kIncoherent, rays);

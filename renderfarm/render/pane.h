@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Panes: thin, smooth glass, such as that of a vitrine. Light crosses it in a straight line, so shadow rays may do so
-/// as well, attenuated by the reflection and absorption of the glass. Without this, an object behind glass is lit only
-/// by scattered rays that happen to hit a lamp, and never by a lamp without size.
+/// Panes: thin, smooth glass, such as that of a display case. Light crosses a pane in a straight line, so shadow rays
+/// may cross it too, attenuated by the reflection and absorption of the glass. If they did not, an object behind glass
+/// is lit only by scattered rays that happen to hit a lamp, and never by a lamp without size.
 #pragma once
 
 #include "renderfarm/render/path_batch.h"
@@ -9,11 +9,12 @@
 
 namespace cyclorama::render {
 
-/// True if any part of a thin surface of this material may let light straight through. `level` is surface_level_of().
+/// Returns true if any part of a thin surface of this material may let light straight through. `level` is the
+/// material's surface_level_of().
 [[nodiscard]] bool is_pane(const scene::Material& material, SurfaceLevel level);
 
 /// Multiplies the light of each unoccluded ray of batch.shadow_rays by the transmittance of the panes on its way.
-/// Precondition: the rays are traced, and scene.panes is not null.
+/// Precondition: the rays have been traced, and scene.panes is not null.
 void cross_panes(const TraceScene& scene, PathBatch& batch);
 
 }  // namespace cyclorama::render

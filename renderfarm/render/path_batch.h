@@ -13,11 +13,11 @@ namespace cyclorama::render {
 
 /// One sample of one pixel, starting at the eye.
 struct Path {
-  Vec3 direct = Vec3::Zero();        ///< Radiance so far that the visible surface emits, or reflects from a light.
+  Vec3 direct = Vec3::Zero();  ///< Radiance so far that the visible surface emits or reflects directly from a light.
   Vec3 indirect = Vec3::Zero();      ///< Radiance of all longer paths.
-  std::uint32_t index_reversed = 0;  ///< Identifies its random numbers, together with `seed`; see sampler.h.
+  std::uint32_t index_reversed = 0;  ///< Identifies the path's random numbers, together with `seed`; see sampler.h.
   std::uint32_t seed = 0;
-  int pixel = 0;  ///< Index in the cell.
+  int pixel = 0;  ///< Index of the pixel in the cell.
 };
 
 /// The most recent ray of a path.
@@ -25,17 +25,18 @@ struct PathRay {
   Vec3 throughput = Vec3::Ones();
   /// Pdf of its direction, per steradian; 0 if light sampling could not have chosen it (camera ray, mirror).
   float pdf = 0.0f;
-  Vec3 from_normal = Vec3::Zero();  ///< Normal at its start; with `pdf`, for weighting against light sampling.
+  Vec3 from_normal = Vec3::Zero();  ///< Normal at its start; used with `pdf` to weight hits against light sampling.
   float cone_width = 0.0f;          ///< Width of the sample's cone at its start, in metres.
-  Vec3 absorption = Vec3::Zero();   ///< Per metre, of the medium that it crosses.
+  Vec3 absorption = Vec3::Zero();   ///< Per metre, of the medium that the ray crosses.
   float cone_spread = 0.0f;         ///< Spread of the cone, in radians.
   std::uint16_t path = 0;
-  std::uint8_t scatterings = 0;  ///< Scatterings at surfaces that are neither mirror nor clear.
-  std::uint8_t surfaces = 0;     ///< Number of surfaces of any kind.
-  /// The value of `surfaces` where its direction was chosen: panes (pane.h) on the way change neither it nor `pdf`.
+  std::uint8_t scatterings = 0;  ///< Number of scatterings so far at surfaces that are neither mirror nor clear.
+  std::uint8_t surfaces = 0;     ///< Number of surfaces of any kind that the path has met.
+  /// Value of `surfaces` where the ray's direction was chosen: panes (pane.h) on the way change neither this value nor
+  /// `pdf`.
   std::uint8_t aimed_surfaces = 0;
-  bool only_light = false;  ///< Collects emitted light only; the path ends at whatever it hits but panes.
-  float passed_m = 0.0f;    ///< Distance from where its direction was chosen to its start.
+  bool only_light = false;  ///< The ray collects only emitted light; the path ends at the first hit that is not a pane.
+  float passed_m = 0.0f;    ///< Distance from the point where its direction was chosen to its start.
 };
 
 /// Contribution of a shadow ray if it is unoccluded.
@@ -54,7 +55,7 @@ struct SurfaceRandomNumbers {
   Values lobe, spare;
 };
 
-/// Output of Camera.
+/// Output of RayCamera::rays().
 struct EyeRays {
   std::array<std::array<float, kMaxRays>, 3> origin;
   std::array<std::array<float, kMaxRays>, 3> direction;
@@ -73,11 +74,11 @@ struct PathBatch {
   int paths = 0;
   std::array<Path, kMaxRays> path;
   std::array<RayStage, 2> stages;
-  int stage = 0;  ///< Index of the stage in flight; the next rays are collected in the other.
+  int stage = 0;  ///< Index of the stage in flight; the next rays are collected in the other stage.
   RayQueue<RTCRay16> shadow_rays;
   std::array<ShadowedLight, kMaxRays> shadowed;
   std::unique_ptr<RayQueue<RTCRayHit16>> pane_rays;    ///< Shadow rays that cross panes; null until there are any.
-  std::array<std::uint32_t, kMaxRays> index_reversed;  ///< For the path of every ray.
+  std::array<std::uint32_t, kMaxRays> index_reversed;  ///< Path::index_reversed of each ray's path.
   std::array<std::uint32_t, kMaxRays> seed;
   SurfaceRandomNumbers random_numbers;
   EyeRays eye_rays;

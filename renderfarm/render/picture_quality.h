@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// All parameters between a scene and the bytes that leave the node: one point in the trade-off of time and bytes
-/// against accuracy.
+/// All parameters that decide how a scene becomes the bytes that leave the node: one point in the trade-off of time and
+/// bytes against accuracy.
 #pragma once
 
 #include "common/base/result.h"
@@ -20,7 +20,7 @@ struct PictureQuality {
   friend bool operator==(const PictureQuality&, const PictureQuality&) = default;
 };
 
-/// Errors: like validate(RenderQuality).
+/// Checks all parameters. Errors: see validate(RenderQuality).
 [[nodiscard]] Status validate(const PictureQuality& quality);
 
 }  // namespace cyclorama::render

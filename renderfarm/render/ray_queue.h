@@ -56,9 +56,9 @@ class RayQueue {
     return {ray.dir_x[lane], ray.dir_y[lane], ray.dir_z[lane]};
   }
   [[nodiscard]] std::uint32_t random_number(int i) const { return rays_of(packet(i)).id[lane_of(i)]; }
-  /// Distance of the hit; below zero where trace_any() found an occluder.
+  /// Returns the distance of the hit; below zero if trace_any() found an occluder.
   [[nodiscard]] float distance(int i) const { return rays_of(packet(i)).tfar[lane_of(i)]; }
-  /// Precondition of has_hit() and hit(): packets of RTCRayHit16, traced.
+  /// Precondition of has_hit() and hit(): `Packet` is RTCRayHit16, and the rays have been traced.
   [[nodiscard]] bool has_hit(int i) const { return packet(i).hit.geomID[lane_of(i)] != RTC_INVALID_GEOMETRY_ID; }
   [[nodiscard]] RTCHit hit(int i) const {
     const RTCHit16& hits = packet(i).hit;
@@ -79,7 +79,7 @@ class RayQueue {
     copy_ray(rays_of(source), lane_of(from), rays_of(target), lane_of(to));
     if constexpr (kFindsHits) copy_hit(source.hit, lane_of(from), target.hit, lane_of(to));
   }
-  /// Keeps the first `count` rays. Precondition: there are as many.
+  /// Keeps the first `count` rays. Precondition: `count` is at most count().
   void shorten(int count) { count_ = count; }
 
   /// Returns packet number i / kPacketRays, which holds ray `i`.

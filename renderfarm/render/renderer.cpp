@@ -36,13 +36,14 @@ struct CellPart {
 /// Destination of finished cells.
 struct Output {
   std::function<void(const TraceCell& cell, const CellPart& part, const CellFilm& film)> write;
-  /// Returns true if the film has this cell already; null if it has none.
+  /// Returns true if the film already has samples of this part; null if the film is new.
   std::function<bool(const CellPart& part)> has = nullptr;
   bool features = false;
   bool depth = false;
 };
 
-/// Rounds like render_film() and Film::mean(), so that a developed film has exactly the codes of render().
+/// Returns the exposed mean of a pixel. Rounds like render_film() and Film::mean(), so that a developed film has
+/// exactly the codes of render().
 Vec3 exposed_mean(const CellFilm& film, std::size_t pixel, float exposure) {
   return film.sum[pixel] * exposure * (1.0f / static_cast<float>(film.samples[pixel]));
 }
@@ -57,7 +58,7 @@ InverseDepthImage depth_image(const PixelRect& rect) {
   return {cells.width, cells.height};
 }
 
-/// Writes the cells of depth that a part touches to those of `rect`.
+/// Writes the cells of depth that `part` touches to `depth`, which has the cells that `rect` touches.
 void write_depth(const TraceCell& cell, const CellPart& part, const CellFilm& film, const PixelRect& rect,
                  InverseDepthImage* depth) {
   const PixelRect to = depth_cells(rect);
@@ -70,7 +71,7 @@ void write_depth(const TraceCell& cell, const CellPart& part, const CellFilm& fi
   }
 }
 
-/// Working memory of one thread: too large for its stack, and too slow to allocate for every cell.
+/// Working memory of one thread. It is too large for the stack, and allocating it for every cell is too slow.
 struct Workspace {
   PathBatch batch;
   CellFilm film;
@@ -159,7 +160,7 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
   std::atomic<double> light = 0.0;
   std::atomic<double> removed_light = 0.0;
   std::atomic<std::uint64_t> broken_samples = 0;
-  // Cells lie on the picture's own grid, whichever part of it is rendered.
+  // Cells are aligned to the whole picture, whichever part of it is rendered.
   const PixelRect cells = cells_touched(rect);
   std::vector<float> cell_cpu_seconds(static_cast<std::size_t>(cells.area()));
   const auto trace_one = [&](int index) {

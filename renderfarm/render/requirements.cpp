@@ -13,7 +13,7 @@ namespace {
 enum Channel : std::uint8_t { kRed, kGreen, kBlue, kAlpha };
 
 /// A factor and the channel of a texture that multiplies it. Interpolation and mipmaps never leave the range of a
-/// channel's texels, so its ends decide what the product reaches.
+/// channel's texels, so the ends of that range bound the product.
 class TexturedFactor {
  public:
   TexturedFactor(float factor, const scene::TextureUse& use, Channel channel,
@@ -21,13 +21,14 @@ class TexturedFactor {
       : factor_(factor), channel_(channel) {
     if (use.texture >= 0) texels_ = textures[static_cast<std::size_t>(use.texture)].pixels.data();
   }
-  /// True if the product is above 0 anywhere.
+  /// Returns true if the product is above 0 anywhere.
   [[nodiscard]] bool exceeds_0() const { return factor_ > 0.0f && (texels_.empty() || has_texel_other_than(0)); }
-  /// True if the product is below 1 anywhere.
+  /// Returns true if the product is below 1 anywhere.
   [[nodiscard]] bool falls_below_1() const { return factor_ < 1.0f || has_texel_other_than(255); }
 
  private:
-  /// Stops at the first, which most textures have in their first row.
+  /// Returns true if any texel has another value than `code`. Stops at the first, which most textures have in their
+  /// first row.
   [[nodiscard]] bool has_texel_other_than(std::uint8_t code) const {
     for (std::size_t i = channel_; i < texels_.size(); i += 4) {
       if (texels_[i] != code) return true;

@@ -82,15 +82,15 @@ struct SobolPoint {
   return {to_unit_float(u), to_unit_float(v)};
 }
 
-/// Returns the first coordinate only.
+/// Returns only the first coordinate of sobol_point().
 [[nodiscard]] constexpr float sobol_value(std::uint32_t index_reversed, std::uint32_t seed, std::uint32_t dimension) {
   const std::uint32_t own_seed = mix_bits(seed + 0x9e3779b9u * (dimension + 1));
   const std::uint32_t index = reversed_bits(scrambled_reversed(index_reversed, own_seed));
   return to_unit_float(reversed_bits(scrambled_reversed(index, mix_bits(own_seed + 1))));
 }
 
-/// Returns the index of sub-sample `part` of 2^bits of one sample: the points of all parts of all samples form one
-/// longer sequence.
+/// Returns the index, with its bits reversed, of sub-sample `part` of a sample that is split into 2^bits parts. The
+/// points of all parts of all samples form one longer sequence.
 [[nodiscard]] constexpr std::uint32_t split_index_reversed(std::uint32_t index_reversed, int bits, std::uint32_t part) {
   return bits == 0 ? index_reversed : (index_reversed >> bits) | reversed_bits(part);
 }
@@ -105,7 +105,7 @@ class SampleSequence {
     const auto bits = std::bit_width(static_cast<std::uint32_t>(samples - 1));
     const std::uint64_t index = (pixel << bits) | static_cast<std::uint32_t>(sample);
     index_reversed_ = reversed_bits(static_cast<std::uint32_t>(index));
-    // Beyond 2^32 samples the picture is divided into blocks with a sequence each.
+    // A picture with more than 2^32 samples is divided into blocks, each with a separate sequence.
     seed_ = mix_bits(static_cast<std::uint32_t>(seed) ^ mix_bits(static_cast<std::uint32_t>(seed >> 32) ^
                                                                  mix_bits(static_cast<std::uint32_t>(index >> 32))));
   }
@@ -115,7 +115,8 @@ class SampleSequence {
     const SobolPoint point = sobol_point(index_reversed_, seed_, dimension);
     return {point.u, point.v};
   }
-  /// State of the sequence: the sample's number with its bits reversed, and the seed of the scramble.
+  /// index_reversed() and seed() are the state of the sequence: the sample's number with its bits reversed, and the
+  /// seed of the scramble.
   [[nodiscard]] std::uint32_t index_reversed() const { return index_reversed_; }
   [[nodiscard]] std::uint32_t seed() const { return seed_; }
 

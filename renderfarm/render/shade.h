@@ -24,9 +24,9 @@ inline constexpr std::uint32_t kPixelPlace = 0;
 inline constexpr std::uint32_t kFirstSurface = 1;
 enum SurfaceDimension : std::uint32_t { kLight, kLightPlace, kScatter, kLobe, kSurfaceDimensions };
 
-/// Russian roulette: a path survives with this many times the largest component of its throughput as its probability,
+/// Russian roulette: the survival probability of a path is this factor times the largest component of its throughput,
 /// at most 1. In a matte hall, with 16 samples and paths of up to three surfaces, error times cpu-seconds is minimal
-/// for factors of 2 to 4: 16 % less than without roulette. With a factor of 1 it is more than without.
+/// for factors of 2 to 4, 16 % less than without roulette; for a factor of 1 it is greater than without roulette.
 inline constexpr float kRouletteChance = 3.0f;
 /// Number of mirrors and clear surfaces that a path may meet in addition to its bounces; then it ends.
 inline constexpr int kMaxPassages = 16;
@@ -34,8 +34,8 @@ inline constexpr int kMaxPassages = 16;
 /// Draws the random numbers of one surface for every ray in flight.
 void draw_random_numbers(PathBatch& batch);
 /// Returns the seed for decisions at half-transparent surfaces along a ray that starts at the path's surface number
-/// `surfaces`, counted from 1; that of a camera ray is 0. A path that meets the same surface twice draws a new number
-/// each time. The Owen scramble keeps the samples of a pixel evenly distributed.
+/// `surfaces`, counted from 1; 0 for a camera ray. A path that meets the same surface twice draws a new number each
+/// time. The Owen scramble keeps the samples of a pixel evenly distributed.
 [[nodiscard]] inline std::uint32_t alpha_random_number(std::uint32_t index_reversed, std::uint32_t seed,
                                                        std::uint32_t surfaces) {
   return scrambled_reversed(index_reversed, mix_bits(seed ^ mix_bits(surfaces + 1)));
@@ -43,8 +43,8 @@ void draw_random_numbers(PathBatch& batch);
 /// Traces the queued batch.shadow_rays and adds the light that arrives to their paths.
 void trace_shadows(const TraceScene& scene, PathBatch& batch);
 
-/// Returns the power-heuristic weight of the technique with `pdf` against the one with `other`, for the same light. A
-/// `pdf` of 0 means that there is only one technique.
+/// Returns the power-heuristic weight of the sampling technique with the pdf `pdf` against the technique with the pdf
+/// `other`, for the same light. A `pdf` of 0 means that there is only one technique.
 [[nodiscard]] inline float share_of(float pdf, float other) {
   if (pdf == 0.0f) return 1.0f;
   const float ratio = other / pdf;
@@ -78,12 +78,12 @@ class Shade {
   static constexpr int kAhead = 16;
   using Scatter = Scattering<kLevel>;
 
-  /// Null if the ray hit nothing or a lamp.
+  /// Returns the mesh that the ray hit; null if it hit nothing or a lamp.
   [[nodiscard]] const SurfaceMesh* mesh_at(int i, const RTCHit& hit) const {
     if (!rays_.has_hit(i) || is_lamp(hit)) return nullptr;
     return scene_.placements[top_of(hit)].mesh;
   }
-  // Inlining is forced because gcc considers a function that only prefetches free of effects and drops its calls.
+  // Inlining is forced because gcc would treat a function that only prefetches as free of effects and drop the calls.
   [[gnu::always_inline]] void prefetch(int i) const {
     const RTCHit hit = rays_.hit(i);
     const SurfaceMesh* const mesh = mesh_at(i, hit);
@@ -108,7 +108,7 @@ class Shade {
   [[nodiscard]] Path& path_of(const PathRay& ray) { return batch_.path[ray.path]; }
   [[nodiscard]] std::size_t pixel_of(const PathRay& ray) { return static_cast<std::size_t>(path_of(ray).pixel); }
 
-  /// Adds light that the ray hit.
+  /// Adds to a path the light that its ray hit.
   void found(const PathRay& ray, const Vec3& light) {
     Path& path = path_of(ray);
     (ray.scatterings < 2 ? path.direct : path.indirect) += ray.throughput.cwiseProduct(light);
@@ -120,7 +120,8 @@ class Shade {
     if (!light.isZero(0.0f)) {
       const float aimed =
           ray.pdf > 0.0f ? scene_.lights.environment_pdf(aim_start(i, ray), ray.from_normal, direction) : 0.0f;
-      // A body that is open on this side is infinitely thick: any channel that it absorbs is black.
+      // A body that has no surface in this direction counts as infinitely thick: every channel that it absorbs is
+      // black.
       const Vec3 left = (ray.absorption.array() > 0.0f).select(Vec3::Zero(), light);
       found(ray, left * share_of(ray.pdf, aims_from_start_of(ray) * aimed));
     }
@@ -138,17 +139,17 @@ class Shade {
     at_surface(i, ray, hit);
   }
 
-  /// Returns where the ray's direction was chosen, which is where light was sampled as well.
+  /// Returns the point where the ray's direction was chosen, at which light was sampled as well.
   [[nodiscard]] Vec3 aim_start(int i, const PathRay& ray) const {
     if constexpr (kLevel != SurfaceLevel::kLayered) return rays_.origin(i);
     return rays_.origin(i) - ray.passed_m * rays_.direction(i);
   }
-  /// Returns the number of light samples taken there.
+  /// Returns the number of light samples taken at the point where the ray's direction was chosen.
   [[nodiscard]] float aims_from_start_of(const PathRay& ray) const {
     return ray.aimed_surfaces == 1 ? static_cast<float>(view_.quality.light_samples) : 1.0f;
   }
 
-  /// Returns the weight of light that the ray hit, given that light sampling might have found it as well.
+  /// Returns the weight of a light that the ray hit, considering that light sampling might have found it as well.
   [[nodiscard]] float share_of_met(int i, const PathRay& ray, LightIndex light) const {
     if (ray.pdf == 0.0f || light == kNoLight) return 1.0f;
     const float aimed = scene_.lights.pdf(aim_start(i, ray), ray.from_normal, light, rays_.direction(i),
@@ -194,7 +195,7 @@ class Shade {
     if (continues) continue_path(i, ray, point, shading, side, scattering, footprint.width, last);
   }
 
-  /// Continues a ray that only collects light through a pane.
+  /// Continues a ray through a pane if the ray collects only light (PathRay::only_light).
   void cross_pane(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Vec3& wo) {
     if constexpr (kLevel == SurfaceLevel::kLayered) {
       if (!shading.bsdf.thin || ray.surfaces >= view_.quality.bounces + kMaxPassages) return;
@@ -214,7 +215,7 @@ class Shade {
     film_.distance[pixel] += rays_.distance(i);
   }
 
-  /// Adds light that arrives by one scattering more than the ray itself; `light` includes the throughput.
+  /// Adds light that was scattered once more than the ray itself; `light` includes the throughput.
   void reflected(const PathRay& ray, const Vec3& light) {
     Path& path = path_of(ray);
     (ray.scatterings == 0 ? path.direct : path.indirect) += light;
@@ -237,7 +238,8 @@ class Shade {
     return stored;
   }
 
-  /// Adds the light that wide lobes reflect. The path ends there, unless there is a narrower lobe, which is traced.
+  /// Adds the stored light that wide lobes reflect. The path ends here unless there is also a narrower lobe, which is
+  /// traced.
   void shine_stored_light(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Vec3& wo,
                           float cone_width, const Vec3& stored) {
     const Vec3 light = ray.throughput.cwiseProduct(stored);
@@ -252,7 +254,7 @@ class Shade {
     reflected(ray, light.cwiseProduct(shading.bsdf.base_colour));
   }
 
-  /// Aims at lights and continues the path by one lobe.
+  /// Samples the lights and continues the path, both with one lobe.
   template <typename Lobe>
   void trace_lobe(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Lobe& lobe,
                   float cone_width) {
@@ -268,10 +270,11 @@ class Shade {
     reflected(ray, ray.throughput.cwiseProduct(scene_.ambient).cwiseProduct(scattering.albedo()));
   }
 
-  /// Adds the light of the lamp at the eye. Its shadows are hidden from the eye by the objects that cast them, so what
-  /// camera rays hit needs no shadow ray.
+  /// Adds the light of the lamp at the eye. Its shadows are hidden from the eye by the objects that cast them, so
+  /// surfaces that camera rays hit need no shadow ray.
   void shine_eye_lamp(int i, const PathRay& ray, const SurfacePoint& point, const Scatter& scattering, const Vec3& wo) {
-    constexpr float kMinDistance2 = 0.05f * 0.05f;  // The lamp is beside the eye, not in it.
+    // Limits the light on near surfaces, because the lamp is beside the eye, not at it.
+    constexpr float kMinDistance2 = 0.05f * 0.05f;
     if (scene_.eye_lamp.isZero(0.0f)) return;
     const Vec3 offset = view_.eye - point.position;
     const float distance2 = std::max(offset.squaredNorm(), kMinDistance2);
@@ -393,7 +396,7 @@ class Shade {
                    alpha_random_number(batch_.index_reversed[slot], batch_.seed[slot], next.surfaces));
   }
 
-  /// Returns the seed for rays that start at the hit.
+  /// Returns the alpha_random_number() of rays that start at the hit.
   [[nodiscard]] std::uint32_t alpha_random_number_of(int i, const PathRay& ray) const {
     const auto slot = static_cast<std::size_t>(i);
     return alpha_random_number(batch_.index_reversed[slot], batch_.seed[slot], ray.surfaces + 1u);

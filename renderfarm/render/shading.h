@@ -14,18 +14,18 @@ struct Shading {
   Bsdf bsdf;
   Vec3 normal = Vec3::UnitY();
   Vec3 emission = Vec3::Zero();
-  Vec3 absorption = Vec3::Zero();  ///< Per metre, in the medium behind it.
-  /// BSDF sampling finds lights better than light sampling does: mirrors, clear glass, narrow highlights.
+  Vec3 absorption = Vec3::Zero();  ///< Per metre, in the medium behind the surface.
+  /// BSDF sampling finds lights better than light sampling does, as for mirrors, clear glass and narrow highlights.
   bool sharp = false;
   /// Light from behind the normal contributes nothing.
   bool one_sided = true;
 };
 
-/// Lobes of this GGX width or more count as wide: they blur the light so much that its directions hardly show.
+/// GGX width from which a lobe counts as wide: it blurs light so much that the directions of the light hardly matter.
 inline constexpr float kWideAlpha = 0.5f;
 
-/// Returns true if the surface's wide lobes may read light that was computed ahead. Coats and glass, which lie above
-/// other lobes, are traced.
+/// Returns true if the material's wide lobes may read stored light. Paths are always traced at surfaces with coats or
+/// glass.
 [[nodiscard]] inline bool reads_stored_light(const SurfaceMaterial& material) {
   return material.level != SurfaceLevel::kLayered;
 }
@@ -44,7 +44,8 @@ class TexelReader {
   const Footprint& footprint_;
 };
 
-/// Multiplies the textures into `texels`. Precondition: `texels` holds ones.
+/// Multiplies the base colour in `texels` by its texture, and sets the other values that kLevel needs from their
+/// textures.
 template <SurfaceLevel kLevel>
 void read_texels(const SurfaceMaterial& material, const TexelReader& reader, SurfaceTexels* texels) {
   const scene::Material& source = *material.source;
@@ -69,7 +70,7 @@ void read_texels(const SurfaceMaterial& material, const TexelReader& reader, Sur
 
 template <SurfaceLevel kLevel>
 Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3& wo, const Footprint& footprint) {
-  /// Light sampling serves wider highlights just as well.
+  /// GGX width below which highlights are `sharp`; light sampling finds the lights of wider ones just as well.
   constexpr float kSharpAlpha = 0.3f;
   const SurfaceMaterial& material = *hit.mesh->material;
   const scene::Material& source = *material.source;
@@ -102,7 +103,7 @@ Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3
     shading.sharp |= layered;
     shading.one_sided = !(shading.bsdf.transmission > 0.0f && shading.bsdf.metallic < 1.0f);
     shading.absorption = material.absorption;
-    // Without normal maps the coat shares the surface's normal.
+    // Without normal maps the coat has the surface's normal.
     const bool is_mapped = material.normal != nullptr || material.clearcoat_normal != nullptr;
     if (is_mapped && shading.bsdf.coat > 0.0f) shading.bsdf.coat_normal = coat_normal(hit, point, footprint);
   }

@@ -7,7 +7,7 @@
 namespace cyclorama::render {
 namespace {
 
-/// Rays ahead of the one in work for which memory is fetched, which is what this stage waits for.
+/// Number of rays by which memory is prefetched ahead; memory access is the bottleneck of this stage.
 constexpr int kAhead = 16;
 
 /// Ends paths of one batch at stored light. Thread-bound.
@@ -39,7 +39,8 @@ class StoredLightStage {
   }
 
  private:
-  /// Null if the ray hit nothing or a surface that needs more than stored light.
+  /// Returns the placement that the ray hit; null if the ray hit nothing or a surface that needs more than stored
+  /// light.
   [[nodiscard]] const Placement* plain_at(int i, const RTCHit& hit) const {
     if (!rays_.has_hit(i) || is_lamp(hit)) return nullptr;
     const Placement& placement = scene_.placements[top_of(hit)];
@@ -49,7 +50,7 @@ class StoredLightStage {
     return hit.instID[0] == RTC_INVALID_GEOMETRY_ID && scene_.lamps.holds(hit.geomID);
   }
 
-  // Inlining is forced because gcc considers a function that only prefetches free of effects and drops its calls.
+  // Inlining is forced because gcc would treat a function that only prefetches as free of effects and drop the calls.
   [[gnu::always_inline]] void prefetch_triangle(int i) const {
     const RTCHit hit = rays_.hit(i);
     const Placement* const placement = plain_at(i, hit);
@@ -70,7 +71,8 @@ class StoredLightStage {
     }
   }
 
-  /// Adds what the ray finds to its path, which ends, and returns true; or returns false.
+  /// Adds the stored light that the ray finds to its path and returns true; returns false if the path does not end
+  /// here.
   [[nodiscard]] bool ends(int i, const PathRay& ray) {
     if (ray.only_light || ray.scatterings > max_scatterings_ || !ray.absorption.isZero(0.0f)) return false;
     const RTCHit hit = rays_.hit(i);
@@ -89,12 +91,12 @@ class StoredLightStage {
     Path& path = batch_.path[ray.path];
     const Vec3 colour = colour_at(i, ray, triangle);
     Vec3& sum = ray.scatterings == 0 ? path.direct : path.indirect;
-    // One number after the other: processors wait where they read a vector that was written in other parts.
+    // Components are added one by one, because processors stall on reading a vector that was written in parts.
     for (int c = 0; c < 3; ++c) sum[c] += ray.throughput[c] * (*stored)[c] * std::clamp(colour[c], 0.0f, 1.0f);
     return true;
   }
 
-  /// The side that surface_at() finds.
+  /// Returns SurfacePoint::front, as surface_at() computes it.
   [[nodiscard]] static bool sees_front(const Placement& placement, const TriangleRecord& record,
                                        const Vec3& direction) {
     const auto& [a, b, c] = record.corners;
@@ -105,7 +107,7 @@ class StoredLightStage {
     return !((placement.normal_matrix * normalized_or(face, -direction)).dot(direction) > 0.0f);
   }
 
-  /// The reflectance of a plain surface, before it is clamped.
+  /// Returns the reflectance of a plain surface, before it is clamped.
   [[nodiscard]] Vec3 colour_at(int i, const PathRay& ray, const TriangleHit& triangle) const {
     const SurfaceMaterial& material = *triangle.mesh->material;
     Vec3 colour = triangle.mesh->colours != nullptr ? vertex_colour(triangle) : Vec3(Vec3::Ones());

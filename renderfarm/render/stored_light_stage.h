@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Ends paths where stored light holds all that they would find, before anything else is computed for them.
+/// Ends paths where stored light contains all the light that they would find, before anything else is computed for
+/// them.
 #pragma once
 
 #include "renderfarm/render/kernel.h"
 
 namespace cyclorama::render {
 
-/// Returns true if rays of `view` may end at stored light by end_at_stored_light(). Views that want features are shaded
-/// as a whole, and so are scenes with an eye lamp, whose light is not stored.
+/// Returns true if rays of `view` may end at stored light by end_at_stored_light(). Views that request features are
+/// shaded completely, as are scenes with an eye lamp, whose light is not stored.
 [[nodiscard]] bool ends_at_stored_light(const TraceScene& scene, const TraceView& view);
 
 /// Ends the paths whose rays in batch.current() hit a `plain` surface with stored light: such a surface shows its colour

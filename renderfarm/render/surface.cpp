@@ -19,8 +19,8 @@ constexpr float kPlacementRoundings = 8.0f * kUnit;
 /// corners.
 constexpr float kExtentRoundings = 16.0f * kUnit;
 
-/// Returns the next float in the direction of `direction`'s sign, so that the rounding of a sum cannot undo it. Equals
-/// std::nextafter without the function call.
+/// Returns the next float after `value` in the direction of `direction`'s sign, which makes up for the rounding of a
+/// sum. Equals std::nextafter without the function call.
 float stepped(float value, float direction) {
   if (direction == 0.0f || !(std::abs(value) > std::numeric_limits<float>::min())) return value;
   const auto bits = std::bit_cast<std::uint32_t>(value);
@@ -68,7 +68,7 @@ Vec3 smooth_normal(const TriangleHit& hit) {
          hit.weights[2] * hit.record->normal(2);
 }
 
-/// Returns the mesh's own normal, whichever side is seen. Mesh frame; not unit length, may be zero.
+/// Returns the mesh's normal, whichever side is seen. Mesh frame; not unit length, may be zero.
 Vec3 own_normal(const TriangleHit& hit) {
   if (hit.mesh->normals != nullptr) return smooth_normal(hit);
   return (corner(hit, 1) - corner(hit, 0)).cross(corner(hit, 2) - corner(hit, 0));
@@ -97,7 +97,7 @@ Vec3 bent_normal(const TriangleHit& hit, const SurfacePoint& point, const MipTex
   const Vec3 across = n.cross(unit_x);
   const Vec3 unit_y = across.dot(y) < 0.0f ? Vec3(-across) : across;
   if (unit_x.isZero(0.0f) || y.isZero(0.0f)) return n;
-  // Seen from behind, n was flipped to the viewer, so the perturbation is flipped too.
+  // On a surface seen from behind, n was flipped to the viewer, so the perturbation is flipped too.
   const Vec3 own = own_normal(hit);
   const float side = n.dot(placement.baked ? own : Vec3(placement.normal_matrix * own)) < 0.0f ? -1.0f : 1.0f;
   const Vec3 bent = normalized_or((bump.x() * unit_x + bump.y() * unit_y) * side + bump.z() * n, n);
@@ -180,7 +180,8 @@ float lod_of(const TriangleHit& hit, const scene::TextureUse& use, const MipText
     e1 = hit.placement->linear * e1;
     e2 = hit.placement->linear * e2;
   }
-  // Both areas are doubled. The scale per axis is the square root of their ratio, a factor one half in logarithms.
+  // Both areas are doubled. The scale per axis is the square root of their ratio, which is a factor of one half in
+  // logarithms.
   const float across = footprint.width / footprint.cosine;
   return 0.5f * std::log2(texels / e1.cross(e2).norm() * (across * across));
 }

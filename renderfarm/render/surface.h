@@ -11,7 +11,7 @@ namespace cyclorama::render {
 struct TriangleHit {
   const SurfaceMesh* mesh = nullptr;
   const Placement* placement = nullptr;
-  std::array<std::uint32_t, 3> corners{};  ///< From triangle_at(), set only if the mesh has texture coordinates.
+  std::array<std::uint32_t, 3> corners{};  ///< Set by triangle_at() only if the mesh has texture coordinates.
   Vec3 weights = Vec3::Zero();
   const TriangleRecord* record = nullptr;
 };
@@ -37,7 +37,8 @@ struct SurfacePoint {
 
 [[nodiscard]] TriangleHit triangle_at(const TraceScene& scene, const RTCHit& hit);
 
-/// `direction` is the ray's. The normal is the interpolated one, without the normal map. Never NaN.
+/// Returns the point that was hit; `direction` is the ray's. The normal is interpolated, without the normal map. No
+/// value is NaN.
 [[nodiscard]] SurfacePoint surface_at(const TriangleHit& hit, const Vec3& direction);
 
 /// Returns the interpolated vertex colour, linear. Precondition: the mesh has vertex colours.
@@ -51,8 +52,8 @@ struct SurfacePoint {
   return to_vec3(sum);
 }
 
-/// The area of a surface that one sample covers: a ray with a width. Source: Akenine-Möller et al., "Improved Shader
-/// and Texture Level of Detail Using Ray Cones", JCGT 10(1), 2021.
+/// The area of a surface that one sample covers, described by the width of its ray. Source: Akenine-Möller et al.,
+/// "Improved Shader and Texture Level of Detail Using Ray Cones", JCGT 10(1), 2021.
 struct Footprint {
   /// Width of the cone across the ray, where it hits, in metres. Zero selects level 0 of every texture.
   float width = 0.0f;
@@ -60,8 +61,8 @@ struct Footprint {
 };
 
 /// Returns the level of `texture` for lookup() whose texels are as large as `footprint` on the triangle, measured along
-/// its longer side. Independent of the scene's scale and units. Not above 0 if the texture has no extent; infinite (the
-/// coarsest level) if the triangle has none.
+/// its longer side. The level does not depend on the scene's scale and units. It is at most 0 if the texture has no
+/// extent, and infinite (the coarsest level) if the triangle has no area.
 [[nodiscard]] float lod_of(const TriangleHit& hit, const scene::TextureUse& use, const MipTexture& texture,
                            const Footprint& footprint);
 
@@ -72,14 +73,14 @@ struct Footprint {
 /// mesh defines no tangents for the map.
 [[nodiscard]] Vec3 mapped_normal(const TriangleHit& hit, const SurfacePoint& point, const Footprint& footprint);
 
-/// Returns the same for the clear coat, which has its own map or none.
+/// Returns the clear coat's normal in the same way; the coat has a separate normal map or none.
 [[nodiscard]] Vec3 coat_normal(const TriangleHit& hit, const SurfacePoint& point, const Footprint& footprint);
 
 /// Returns the material's alpha at the hit, for alpha_filter().
 [[nodiscard]] float alpha_at(const TriangleHit& hit);
 
-/// Returns a start for rays that is certainly on the side of the surface to which the unit normal `side` points.
-/// Source: Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, section 6.8.
+/// Returns a starting point for rays that is certainly on the side of the surface to which the unit normal `side`
+/// points. Source: Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, section 6.8.
 [[nodiscard]] Vec3 start_off_surface(const SurfacePoint& point, const Vec3& side);
 
 }  // namespace cyclorama::render

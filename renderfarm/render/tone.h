@@ -34,7 +34,7 @@ namespace cyclorama::render {
   return kKnee + (1.0f - kKnee) * (1.0f - std::exp((kKnee - exposed) / (1.0f - kKnee)));
 }
 
-/// Equals linear_to_srgb8(tone_mapped()) to the code value, by a table that is many times faster.
+/// Table with exactly the codes of linear_to_srgb8(tone_mapped()), at many times the speed.
 class ToneTable {
  public:
   explicit ToneTable(scene::ToneCurve curve);
@@ -46,8 +46,8 @@ class ToneTable {
   }
 
  private:
-  static constexpr int kShift = 16;  // Steps of 1/128 of the light, which contain one or two codes each.
-  /// The code of the darkest light with these leading bits.
+  static constexpr int kShift = 16;  // Keeps 7 bits of the mantissa: steps of 1/128, with one or two codes each.
+  /// Code of the darkest light for each value of the leading bits.
   std::array<std::uint8_t, std::size_t{1} << (31 - kShift)> first_{};
   std::array<float, 257> min_{};  ///< Darkest light of each code, then NaN.
 };
@@ -55,7 +55,7 @@ class ToneTable {
 /// Returns the curve's table, which is created once. Thread-safe.
 [[nodiscard]] const ToneTable& tone_table(scene::ToneCurve curve);
 
-/// Converts exposed light (a film's means) to code values, as Renderer::render() does.
+/// Converts exposed light, such as Film::mean(), to the code values that Renderer::render() gives.
 [[nodiscard]] RgbImage developed(const RadianceImage& exposed, scene::ToneCurve curve);
 
 }  // namespace cyclorama::render

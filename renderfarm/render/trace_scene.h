@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Data of the ray kernels: the scene's arrays as they lie in memory, placed in the render frame, and its BVH.
+/// Data that the ray kernels read: the scene's arrays as they are in memory, their placements in the render frame, and
+/// the BVH.
 #pragma once
 
 #include <array>
@@ -23,7 +24,7 @@ class SplatScene;
 /// A material with its resolved textures.
 struct SurfaceMaterial {
   const scene::Material* source = nullptr;
-  const MipTexture* base_colour = nullptr;  ///< Null if there is none, like the others.
+  const MipTexture* base_colour = nullptr;  ///< Null if there is none, as for all textures here.
   const MipTexture* metallic_roughness = nullptr;
   const MipTexture* normal = nullptr;
   const MipTexture* emissive = nullptr;
@@ -35,11 +36,11 @@ struct SurfaceMaterial {
   const MipTexture* transmission = nullptr;
   Vec3 absorption = Vec3::Zero();  ///< Per metre, in a body of glass.
   SurfaceLevel level = SurfaceLevel::kMatte;
-  bool blends = false;   ///< Transparent in part.
-  bool cut_out = false;  ///< Has holes.
-  /// Shows nothing but its colour times the light that arrives: matte, without emission or a normal map.
+  bool blends = false;   ///< Some of the material is transparent.
+  bool cut_out = false;  ///< The material has holes.
+  /// The material shows only its colour times the light that arrives: it is matte, without emission or a normal map.
   bool plain = false;
-  bool pane = false;     ///< Shadow rays cross it: see pane.h.
+  bool pane = false;  ///< Shadow rays cross the material: see pane.h.
 };
 
 /// Borrows the arrays of one Mesh. A pointer is null where the mesh has no such array.
@@ -53,7 +54,7 @@ struct SurfaceMesh {
   const std::array<float, 4>* tangents = nullptr;
   const std::array<std::uint8_t, 4>* colours = nullptr;
   const SurfaceMaterial* material = nullptr;
-  /// One per triangle, in the frame where the mesh is placed; created after baking.
+  /// One per triangle, in the frame of `positions`; created after baking.
   std::vector<TriangleRecord> records;
 };
 
@@ -69,8 +70,8 @@ struct Placement {
 /// Owned by the Renderer. Read-only while rays are traced.
 struct TraceScene {
   RTCScene top = nullptr;
-  RTCScene panes = nullptr;  ///< The panes among `top`, by the same numbers; null if there are none.
-  const SplatScene* splats = nullptr;  ///< Null if there are none.
+  RTCScene panes = nullptr;            ///< The panes of `top`, with the same geometry ids; null if there are none.
+  const SplatScene* splats = nullptr;  ///< Null if there are no splats.
   MipTextures textures;
   std::vector<SurfaceMaterial> materials;
   std::vector<SurfaceMesh> meshes;
@@ -79,10 +80,10 @@ struct TraceScene {
   LampGeometries lamps;  ///< Lights that rays can hit.
   Vec3 ambient = Vec3::Zero();
   Vec3 eye_lamp = Vec3::Zero();
-  const light::LightStore* light = nullptr;  ///< Light computed ahead; null if there is none. Fits the placements.
+  const light::LightStore* light = nullptr;  ///< Stored light, which fits the placements; null if there is none.
 };
 
-/// Returns `source` with its textures requested; they exist once `textures` is built. Borrows all three.
+/// Returns `source` with its textures requested; they exist once `textures` is built. Borrows all three arguments.
 [[nodiscard]] SurfaceMaterial trace_material(const scene::Model& model, const scene::Material& source,
                                              MipTextures* textures);
 /// Returns the mesh without its material. Borrows the arrays of `mesh`.

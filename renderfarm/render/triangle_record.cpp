@@ -29,8 +29,8 @@ TriangleRecord record_of(const scene::Mesh& mesh, const std::array<std::uint32_t
   return record;
 }
 
-/// Requests huge pages: scattered rays read records in random order, and with small pages each read costs a page-table
-/// walk as well. Failure is harmless.
+/// Requests huge pages, because scattered rays read records in random order, and with small pages each read also needs
+/// a page-table walk. Failure is harmless.
 void ask_for_huge_pages(void* data, std::size_t bytes) {
   constexpr std::uintptr_t kHugePage = std::uintptr_t{2} << 20;
   const auto from = (std::bit_cast<std::uintptr_t>(data) + kHugePage - 1) / kHugePage * kHugePage;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Small vector helpers of the ray kernels. Float, in the render frame: the Scene frame moved close to the eye.
+/// Small vector helpers of the ray kernels. Vectors are float, in the render frame: the Scene frame moved close to the
+/// eye.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -35,7 +36,7 @@ inline constexpr float kPi = 3.14159265358979323846f;
 }
 
 /// Returns the matrix that transforms normals when `linear` transforms points: the inverse transpose up to a positive
-/// factor, which exists even for singular matrices. The outside stays outside under mirroring too.
+/// factor, which exists even for singular matrices. Normals that point outwards still do so under mirroring.
 [[nodiscard]] inline Eigen::Matrix3f normal_matrix_of(const Eigen::Matrix3d& linear) {
   Eigen::Matrix3d cofactors;
   cofactors.col(0) = linear.col(1).cross(linear.col(2));

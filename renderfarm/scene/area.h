@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Polygons on the ground: (x, z) corners; the last corner connects to the first.
+/// Polygons on the ground, given by their (x, z) corners; the last corner connects to the first.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,8 @@
 
 namespace cyclorama::scene {
 
-/// Area of the polygon by the shoelace formula; never negative. Parts that overlap with opposite orientation cancel.
+/// Returns the area of the polygon by the shoelace formula; never negative. Parts that overlap with opposite
+/// orientation cancel.
 [[nodiscard]] inline double area_of(const std::vector<Eigen::Vector2d>& corners) {
   double twice = 0.0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -19,7 +20,7 @@ namespace cyclorama::scene {
   return 0.5 * std::abs(twice);
 }
 
-/// Even-odd rule.
+/// Returns true if `place` is inside the polygon by the even-odd rule.
 [[nodiscard]] inline bool is_inside(const std::vector<Eigen::Vector2d>& corners, const Eigen::Vector2d& place) {
   bool inside = false;
   for (std::size_t i = 0; i < corners.size(); ++i) {

@@ -36,7 +36,7 @@ Eigen::Vector3d corner_of(const Mesh& mesh, std::size_t index) {
   return mesh.origin + Eigen::Vector3d(double{p[0]}, double{p[1]}, double{p[2]});
 }
 
-/// Returns, for each vertex, whether a triangle uses it.
+/// Returns, for each vertex, true if a triangle uses it.
 std::vector<bool> used_vertices(const Mesh& mesh) {
   std::vector<bool> used(mesh.positions.size(), false);
   for (const auto& triangle : mesh.triangles) {
@@ -61,7 +61,7 @@ void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_w
     for (TextureUse Material::*const at : texture_places()) {
       if ((material.*at).texture >= 0) (material.*at).texture += first_texture;
     }
-    // Placements of different scale share their materials; the first one decides.
+    // Placements of different scales share their materials; the scale of the first one is used.
     if (!T_whole_file.empty()) material.attenuation_distance *= static_cast<float>(scale_of(T_whole_file.front()));
   }
   for (Mesh& mesh : part.meshes) mesh.material += first_material;
@@ -89,7 +89,7 @@ void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_w
 }
 
 void free_lamps(Model* model) {
-  constexpr double kMaxGlobeM = 2.0;  // A larger emissive mesh is a glowing room.
+  constexpr double kMaxGlobeM = 2.0;  // A larger emissive mesh counts as a glowing room.
   constexpr std::size_t kMaxCorners = 100'000;
   for (const Instance& instance : model->instances) {
     const Mesh& mesh = model->meshes[static_cast<std::size_t>(instance.mesh)];

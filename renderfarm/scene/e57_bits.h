@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One field of E57's points: its numbers lie in a stream of their own, packed to as many bits as their range needs.
+/// One field of the points in an E57 file. The numbers of each field are in a separate stream, each packed to as many
+/// bits as the field's range needs.
 #pragma once
 
 #include <cstddef>
@@ -13,23 +14,23 @@
 
 namespace cyclorama::scene {
 
-/// Thread-bound.
+/// Decoder of the numbers of one field. Thread-bound.
 class E57Field {
  public:
-  /// Reads a child of a prototype. Errors: kBadData if it is none.
+  /// Creates the field that `node`, a child of a prototype, describes. Errors: kBadData if it describes no field.
   static Result<E57Field> of(const E57Node& node);
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] int bits() const { return bits_; }  ///< Bits of each number; 0 for one that is always the same.
+  [[nodiscard]] int bits() const { return bits_; }  ///< Bits of each number; 0 if all numbers are the same.
   [[nodiscard]] double minimum() const { return minimum_; }
   [[nodiscard]] double maximum() const { return maximum_; }  ///< Not above minimum() if the file states no range.
 
   void append(std::span<const std::byte> bytes) { pending_.insert(pending_.end(), bytes.begin(), bytes.end()); }
-  /// Number of complete values; the largest number if bits() is 0.
+  /// Returns the number of complete values; the maximum of the type if bits() is 0.
   [[nodiscard]] std::uint64_t available() const;
-  /// Precondition: available() is not 0.
+  /// Returns the next value. Precondition: available() is not 0.
   double next();
-  /// Frees the memory of values that were taken.
+  /// Frees the memory of the values that next() has returned.
   void forget_taken();
 
  private:

@@ -74,7 +74,7 @@ void E57Scan::read_pose() {
   }
 }
 
-/// The range of a brightness: of the scan's limits, else of its field.
+/// Returns the range of a brightness: the scan's limits if it states them, else the limits of the field.
 E57Scan::Limits E57Scan::limits_of(Role role, const char* group, const char* name) const {
   if (!has(role)) return {};
   if (const E57Node* const stated = scan_.child(group)) {

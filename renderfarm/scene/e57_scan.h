@@ -13,16 +13,16 @@
 
 namespace cyclorama::scene {
 
-/// Borrows the file and the XML. Thread-bound.
+/// Reader of one scan. Borrows the file and the XML. Thread-bound.
 class E57Scan {
  public:
-  /// `scan` is a child of data3D. Errors: kBadData if it lacks points with places.
+  /// Opens `scan`, a child of data3D. Errors: kBadData if it has no points with positions.
   static Result<E57Scan> open(const E57Pages& pages, const E57Node& scan);
 
   [[nodiscard]] std::uint64_t point_count() const { return point_count_; }
   [[nodiscard]] bool has_colour() const { return has(kRed) && has(kGreen) && has(kBlue); }
   [[nodiscard]] bool has_intensity() const { return has(kIntensity); }
-  /// Adds all valid points. Errors: kBadData if packets are damaged or hold too few points.
+  /// Adds all valid points to `cloud`. Errors: kBadData if packets are damaged or contain too few points.
   Status read(PointCloud* cloud) &&;
 
  private:
@@ -57,11 +57,11 @@ class E57Scan {
 
   const E57Pages& pages_;
   const E57Node& scan_;
-  std::uint64_t section_ = 0;  ///< Place of the packets' section in the content.
+  std::uint64_t section_ = 0;  ///< Offset, in the content, of the section with the packets.
   std::uint64_t point_count_ = 0;
   std::vector<E57Field> fields_;
-  std::array<std::size_t, kRoles> role_{};  ///< The field of each role.
-  std::array<Limits, 4> brightness_;        ///< Those of red, green, blue and intensity.
+  std::array<std::size_t, kRoles> role_{};  ///< Index of the field of each role.
+  std::array<Limits, 4> brightness_;        ///< Limits of red, green, blue and intensity.
   Eigen::Isometry3d T_file_scan_ = Eigen::Isometry3d::Identity();
 };
 

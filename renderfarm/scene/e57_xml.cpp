@@ -37,7 +37,7 @@ class Parser {
     return true;
   }
   void skip_space() { at_ = std::min(xml_.find_first_not_of(kSpace, at_), xml_.size()); }
-  /// Returns what comes before `end`, and goes behind it.
+  /// Returns the text before `end`, and moves past `end`.
   Result<std::string_view> until(std::string_view end) {
     const std::size_t found = xml_.find(end, at_);
     if (found == std::string_view::npos) return bad(fmt::format("lacks '{}'", end));

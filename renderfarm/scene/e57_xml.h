@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The XML section of an E57 file: elements, attributes and texts, and nothing else of XML.
+/// Reader of the XML section of an E57 file. It supports elements, attributes and texts, and no other part of XML.
 #pragma once
 
 #include <cstddef>
@@ -16,18 +16,19 @@ namespace cyclorama::scene {
 struct E57Node {
   std::string name;
   std::vector<std::pair<std::string, std::string>> attributes;
-  std::string text;  ///< All of its texts, without those of its children.
+  std::string text;  ///< All texts of the element, without those of its children.
   std::vector<E57Node> children;
 
-  [[nodiscard]] const E57Node* child(std::string_view wanted) const;          ///< The first of that name; may be null.
+  /// First child of that name; null if there is none.
+  [[nodiscard]] const E57Node* child(std::string_view wanted) const;
   [[nodiscard]] std::string_view attribute(std::string_view wanted) const;    ///< Empty if there is none.
-  [[nodiscard]] std::optional<double> number(std::string_view wanted) const;  ///< An attribute's.
-  /// The number that a child holds; E57 leaves zeros out.
+  [[nodiscard]] std::optional<double> number(std::string_view wanted) const;  ///< Value of an attribute.
+  /// Returns the number in a child; 0 without one, because E57 omits zeros.
   [[nodiscard]] double number_of_child(std::string_view wanted) const;
 };
 
-/// Returns the root element. Errors: kBadData, with the byte, for anything that is not well formed, document types,
-/// entities other than XML's own five, and elements nested more than 32 deep.
+/// Returns the root element. Errors: kBadData, with the byte offset, for text that is not well formed, for document
+/// types, for entities other than the five of XML, and for elements nested more than 32 deep.
 Result<E57Node> parse_e57_xml(std::string_view xml);
 
 }  // namespace cyclorama::scene

@@ -14,7 +14,7 @@
 namespace cyclorama::scene {
 namespace {
 
-/// Solid angle of a texel of row `y`, up to a factor that all rows share.
+/// Returns the solid angle of a texel of row `y`, up to a factor that all rows share.
 double solid_angle(int y, int height) {
   const double step = std::numbers::pi / height;
   return std::cos(y * step) - std::cos((y + 1) * step);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Light from all directions as a picture, visible where no triangle hides it.
+/// A picture of the light from all directions, visible where no triangle hides it.
 #pragma once
 
 #include "common/image/image.h"
 
 namespace cyclorama::scene {
 
-/// An equirectangular picture of linear radiance. Rows run from straight up (+y) to straight down,
-/// columns to the right over a full turn, so that at rotation 0
+/// An equirectangular picture of linear radiance. Rows run from straight up (+y) to straight down, columns to the right
+/// over a full turn. At rotation 0,
 ///
 ///     u = 0, 1: +z (behind)   u = 1/4: -x (left)   u = 1/2: -z (ahead)   u = 3/4: +x (right)
 ///

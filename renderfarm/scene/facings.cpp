@@ -4,7 +4,7 @@
 namespace cyclorama::scene {
 
 Facings facings_of(const Model& model) {
-  constexpr std::size_t kMaxTriangles = 200'000;  // More triangles of one mesh add nothing.
+  constexpr std::size_t kMaxTriangles = 200'000;  // More triangles of one mesh would not change the result.
   Facings facings;
   for (const Instance& instance : model.instances) {
     const Mesh& mesh = model.meshes[static_cast<std::size_t>(instance.mesh)];

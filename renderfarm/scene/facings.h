@@ -5,18 +5,18 @@
 
 namespace cyclorama::scene {
 
-/// Doubled area of a model's triangles by the axis that they face.
+/// Twice the area of a model's triangles, by the axis that they face.
 struct Facings {
-  Eigen::Vector3d both = Eigen::Vector3d::Zero();  ///< Along the axis, either way.
+  Eigen::Vector3d both = Eigen::Vector3d::Zero();  ///< Area that faces either end of the axis.
   /// Area that faces the axis's positive end minus the area that faces its negative end.
   Eigen::Vector3d surplus = Eigen::Vector3d::Zero();
 
-  /// True if the model is open and shows its back to a viewer on the axis's positive side. The surplus of a closed body
-  /// is 0.
+  /// Returns true if the model is open and shows its back to a viewer on the axis's positive side. The surplus of a
+  /// closed body is 0.
   [[nodiscard]] bool shows_back(Eigen::Index axis) const { return surplus[axis] < -0.5 * both[axis]; }
 };
 
-/// Reads some of the triangles of a large mesh. Reentrant.
+/// Computes the facings of `model`, from a sample of the triangles if a mesh is large. Reentrant.
 [[nodiscard]] Facings facings_of(const Model& model);
 
 }  // namespace cyclorama::scene

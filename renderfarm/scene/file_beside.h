@@ -6,8 +6,9 @@
 
 namespace cyclorama::scene {
 
-/// Returns the file that a geometry file in `folder` names: always inside of it, since a scene reads only what was
-/// delivered with it. Of a name that leads out, such as another computer's path, the last part is looked for.
+/// Returns the path of a file to which a geometry file in `folder` refers. The result is always inside `folder`,
+/// because a scene reads only what was delivered with it: if `name` leads outside, as an absolute path of another
+/// computer does, only its last part is used.
 [[nodiscard]] std::filesystem::path file_beside(const std::filesystem::path& folder, std::string name);
 
 }  // namespace cyclorama::scene

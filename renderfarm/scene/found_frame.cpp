@@ -13,12 +13,12 @@
 namespace cyclorama::scene {
 namespace {
 
-constexpr double kMetresUpTo = 30.0;           ///< A larger object may be in another unit.
+constexpr double kMetresUpTo = 30.0;           ///< Length up to which files are taken to be in metres.
 constexpr double kMillimetresBeyond = 2000.0;  ///< Larger than any site that a visitor walks through, in metres.
 constexpr double kMinRoomM = 2.0;
 constexpr double kMaxRoomM = 15.0;
 
-/// Returns the settings of the file in metres, if its unit is `unit_m`.
+/// Returns the settings of the file, in metres, under the assumption that its unit is `unit_m`.
 FoundSettings settings_in(double unit_m, const Eigen::AlignedBox3d& bounds, Model* file) {
   const std::vector<Instance> instances = file->instances;
   for (Instance& instance : file->instances) instance.T_model_mesh = Eigen::Scaling(unit_m) * instance.T_model_mesh;
@@ -71,7 +71,7 @@ double unit_of(const Eigen::AlignedBox3d& bounds, Model* file, std::vector<std::
   return kCentimetre;
 }
 
-/// True for a thin thing that lies on the ground and is too small to walk on.
+/// Returns true for a thin object that lies on the ground and is too small to walk on.
 bool lies_flat(const Eigen::Vector3d& size_m) {
   constexpr double kFlat = 0.1;
   constexpr double kMinSiteM = 6.0;

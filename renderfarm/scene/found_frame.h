@@ -12,14 +12,14 @@ namespace cyclorama::scene {
 
 struct FoundFrame {
   double unit_m = 1.0;
-  Eigen::Affine3d T_scene_file = Eigen::Affine3d::Identity();  ///< Unit included.
-  std::vector<std::string> notes;  ///< The assumptions, for people who have better information.
+  Eigen::Affine3d T_scene_file = Eigen::Affine3d::Identity();  ///< Includes the unit.
+  std::vector<std::string> notes;  ///< The assumptions that were made, for users who know better.
 };
 
-/// glTF is in metres by its standard and the other formats state no unit, but files of all kinds exist in millimetres
-/// and centimetres. A unit is taken from the size of rooms; where there are none, an object is shown whole whatever its
-/// unit. A small flat thing that lies on its back, such as a coin or a map, is stood up to face the visitor, unless the
-/// file has cameras. Reentrant; `file` is unchanged on return.
+/// Derives unit and position from the geometry. glTF prescribes metres and the other formats state no unit, but files
+/// of all formats exist in millimetres and centimetres. The unit follows from the size of rooms; a file without rooms
+/// is an object, which is shown whole whatever its unit. A small flat object that lies on the ground, such as a coin or
+/// a map, is raised upright to face the visitor, unless the file has cameras. Reentrant; `file` is unchanged on return.
 [[nodiscard]] FoundFrame find_frame(Model* file);
 
 }  // namespace cyclorama::scene

@@ -13,7 +13,7 @@
 namespace cyclorama::scene {
 namespace {
 
-/// Irradiance from `light` on a surface at `p` that faces it.
+/// Returns the irradiance from `light` on a surface at `p` that faces the light.
 Eigen::Vector3d irradiance(const Light& light, const Eigen::Vector3d& p) {
   Eigen::Vector3d intensity = light.intensity.cast<double>();
   if (light.kind == LightKind::kDirectional) return intensity;
@@ -31,7 +31,7 @@ Eigen::Vector3d irradiance(const Light& light, const Eigen::Vector3d& p) {
 
 double luminance(double r, double g, double b) { return 0.2126 * r + 0.7152 * g + 0.0722 * b; }
 
-/// Mean luminance of up to kSamples colours of sRGB codes.
+/// Returns the mean luminance of up to kSamples colours in sRGB codes.
 template <typename At>
 double mean_luminance(std::size_t count, const At& at) {
   constexpr std::size_t kSamples = 4096;
@@ -47,7 +47,7 @@ double mean_luminance(std::size_t count, const At& at) {
   return sum / static_cast<double>(samples);
 }
 
-/// Doubled area of a placed mesh, from some of its triangles.
+/// Returns twice the area of a placed mesh, estimated from some of its triangles.
 double area_of(const Mesh& mesh, const Eigen::Matrix3d& linear) {
   constexpr std::size_t kSamples = 4096;
   const std::size_t stride = mesh.triangles.size() / kSamples + 1;
@@ -62,8 +62,8 @@ double area_of(const Mesh& mesh, const Eigen::Matrix3d& linear) {
   return sum * static_cast<double>(stride);
 }
 
-/// Factor on a room's lamps that gives the brightness of a grey room (albedo 0.5) at a factor of 1. Light reaches the
-/// eye after one or more reflections.
+/// Returns a factor for the lamps of a room. It gives the room the brightness that a factor of 1 gives a grey room
+/// (albedo 0.5). Light reaches the eye after one or more reflections.
 double strength_for(double albedo, int bounces) {
   constexpr double kGrey = 0.5;
   constexpr double kWeakest = 0.2;
@@ -109,12 +109,12 @@ void add_light(const FoundSettings& found, Scene* scene) {
     const auto candela = static_cast<float>(3.0 * strength * reach * reach);
     scene->eye_lamp.setConstant(0.4f * candela);
     scene->ambient.setConstant(static_cast<float>(0.08 * strength));
-    // Keeps the lamp well below a low ceiling and limits its light there; otherwise the white spot above it would
+    // Keeps the lamp well below a low ceiling and limits its light there; otherwise the white spot above the lamp would
     // dominate.
     constexpr double kMinDropM = 0.8;
     constexpr double kBrightestLux = 4.0;
     const double drop = std::max(0.5 * found.ceiling_m, kMinDropM);
-    Light hanging;  // Casts the shadows that show shapes, unlike a lamp at the eye.
+    Light hanging;  // Casts shadows that show shapes; a lamp at the eye casts none.
     hanging.name = "hanging";
     hanging.position = found.eye + (found.ceiling_m - drop) * Eigen::Vector3d::UnitY() +
                        (0.5 * found.free_m) * ahead(found.heading_rad - 0.5 * std::numbers::pi);
@@ -124,7 +124,7 @@ void add_light(const FoundSettings& found, Scene* scene) {
     return;
   }
   scene->sky = {Eigen::Vector3f::Constant(0.45f), Eigen::Vector3f::Constant(0.2f), Eigen::Vector3f::Constant(0.1f)};
-  Light key;  // From the visitor's upper left, as is usual in paintings.
+  Light key;  // Shines from the visitor's upper left, as is usual in paintings.
   key.name = "key";
   key.kind = LightKind::kDirectional;
   key.direction = (0.5 * ahead(found.heading_rad + 0.5 * std::numbers::pi) + 0.6 * ahead(found.heading_rad) -
@@ -136,7 +136,8 @@ void add_light(const FoundSettings& found, Scene* scene) {
 }
 
 void add_shadow_light(const FoundSettings& found, Scene* scene) {
-  constexpr float kShadow = 0.04f;  // Part of white; in reality, areas that no lamp reaches directly are not black.
+  // Share of white, because in reality areas that no lamp reaches directly are not black.
+  constexpr float kShadow = 0.04f;
   const Eigen::Vector3f light = Eigen::Vector3f::Constant(kShadow / static_cast<float>(scene->exposure));
   if (found.kind == SceneKind::kObject && scene->environment == nullptr) {
     scene->sky = {light, light, light};

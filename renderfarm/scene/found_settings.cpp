@@ -13,13 +13,13 @@
 namespace cyclorama::scene {
 namespace {
 
-constexpr double kMinPlaceM = 2.2;  ///< In all three directions; a smaller model is an object.
+constexpr double kMinPlaceM = 2.2;  ///< Minimum extent in all three directions; a smaller model is an object.
 constexpr double kMinSiteM = 6.0;
 constexpr double kMuchGroundM2 = 100.0;
-/// Maximum height of a room without a ceiling; anything higher is a vessel in another unit.
+/// Maximum height of a room without a ceiling; anything higher is taken as a hollow object in another unit.
 constexpr double kMaxCourtM = 8.0;
 
-/// Finds the floor below an eye that was chosen by somebody.
+/// Finds the floor below a given eye.
 Standing stand_at(const SpaceGrid& grid, const Eigen::Vector3d& eye) {
   const SpaceGrid::Ray down = grid.cast(eye, -Eigen::Vector3d::UnitY());
   Standing standing{eye, eye.y() - kEyeHeightM};
@@ -39,7 +39,7 @@ std::vector<Eigen::Vector2d> square_around(const Eigen::Vector3d& eye, double ha
           {x - half_side, z + half_side}};
 }
 
-/// A ring around the object, cut open behind it, because a walkable area has one outline.
+/// Returns a ring around the object. The ring is cut open behind the object, because a walkable area has one outline.
 std::vector<Eigen::Vector2d> ring(const Eigen::Vector3d& middle, double heading_rad, double inner, double outer) {
   constexpr int kCorners = 32;
   std::vector<Eigen::Vector2d> corners;
@@ -52,8 +52,8 @@ std::vector<Eigen::Vector2d> ring(const Eigen::Vector3d& middle, double heading_
   return corners;
 }
 
-/// Heading under which an object shows most. glTF's front is +z, so that is where the visitor stands, unless the object
-/// is flat and shows an edge or its back there.
+/// Returns the heading from which most of an object is visible. The visitor stands on the side of +z, which is the
+/// front in glTF, unless the object is flat and shows an edge or its back on that side.
 double heading_before(const Model& model, const Eigen::Vector3d& size) {
   constexpr double kFlat = 0.3;
   const bool is_edge_on = size.x() < kFlat * size.z();
@@ -65,7 +65,7 @@ double heading_before(const Model& model, const Eigen::Vector3d& size) {
 
 FoundSettings before_object(const Model& model, const Eigen::AlignedBox3d& bounds,
                             const std::optional<Eigen::Vector3d>& eye) {
-  // Keeps the object between tangents of -0.5 and 0.3: a wall 2.6 m high, 3 m away.
+  // These distances keep the object between tangents of -0.5 and 0.3, as on a wall that is 2.6 m high and 3 m away.
   constexpr double kDistanceByHeight = 1.3;
   constexpr double kDistanceByWidth = 0.8;
   // Viewing distance of an object as tall as a person; steps have their usual length at this distance.
@@ -125,9 +125,10 @@ FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bound
   if (eye) return before_object(model, bounds, eye);
   const BestPlaces best = find_places(grid);
   if (best.room) return standing_at(grid, *best.room, SceneKind::kRoom);
-  // Where nothing rises to the eye's height, the surface may be the top of an object; only a plain is open everywhere.
+  // If nothing rises to the height of the eye, the surface may be the top of an object, unless it is as flat as a
+  // plain.
   const double flatness = best.site && best.site->walls > 0 ? 0.7 : 2.0;
-  // The top of a globe is no ground.
+  // A small level area, such as the top of a globe, is not ground.
   const bool has_ground = best.site && best.site->walkable_m2 > std::min(0.35 * size.x() * size.z(), kMuchGroundM2);
   const bool is_wide = has_ground && std::min(size.x(), size.z()) >= std::max(kMinSiteM, flatness * size.y());
   const bool is_court = has_ground && best.site->has_walls() && size.y() < kMaxCourtM;

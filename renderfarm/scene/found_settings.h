@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Settings for visitors, derived from the shape of geometry that comes without any.
+/// Settings for visitors, derived from the shape of geometry that comes without settings.
 ///
 ///   room    floor with walls around it and a ceiling above   the visitor stands where it is widest
-///   site    ground to walk on, under the sky                 the same
+///   site    ground to walk on, under the sky                 the visitor stands where it is widest
 ///   object  anything else: a bust, a vase                    the visitor stands before it (glTF's front is +z),
 ///                                                            walks around it, and sees it whole
 #pragma once
@@ -26,12 +26,12 @@ struct FoundSettings {
   double walking_scale = 1.0;
   std::vector<Eigen::Vector2d> walkable;  ///< (x, z) corners; contains the eye.
   double view_m = 1.0;                    ///< Typical distance that the eye sees.
-  double ceiling_m = 0.0;                 ///< Rooms: height of the ceiling above the eye.
-  double free_m = 0.0;                    ///< Rooms: distance to the nearest surface at eye height, at most 3 m.
+  double ceiling_m = 0.0;                 ///< For rooms: height of the ceiling above the eye.
+  double free_m = 0.0;                    ///< For rooms: distance to the nearest surface at eye height, at most 3 m.
 };
 
-/// Keeps `eye` if it is given and derives the rest around it. Precondition: `bounds` is bounds_of(model) and not empty.
-/// Metres, y up. Reentrant.
+/// Derives the settings; if `eye` is given, it is kept and the other settings are derived for it. Precondition:
+/// `bounds` is bounds_of(model) and not empty. Lengths are in metres, and y points up. Reentrant.
 [[nodiscard]] FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bounds,
                                           const std::optional<Eigen::Vector3d>& eye);
 

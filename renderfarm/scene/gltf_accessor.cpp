@@ -53,7 +53,8 @@ Status check_fit(const GltfObject& object, const GltfBufferView& view, std::uint
   return Done{};
 }
 
-/// Reads `bufferView` and `byteOffset` of a sparse accessor's parts, which are always packed.
+/// Returns the data to which `bufferView` and `byteOffset` of `part` refer. The parts of sparse accessors are always
+/// packed.
 Result<const std::byte*> packed_data(GltfDocument* document, const GltfObject& part, std::uint64_t count,
                                      std::uint64_t element_bytes) {
   TRY_ASSIGN(const std::size_t index, document->required_index(part, "bufferView", "bufferViews"));
@@ -82,7 +83,7 @@ std::uint32_t load_index(const std::byte* from, GltfComponent component) {
   }
 }
 
-/// Replaces some elements of `values`, which is packed and has `count` of them.
+/// Replaces some elements of `values`, which has `count` packed elements.
 Status apply_sparse(GltfDocument* document, const GltfObject& sparse, std::uint64_t count, std::size_t element_bytes,
                     std::vector<std::byte>* values) {
   TRY_ASSIGN(const std::uint64_t changed, sparse.required_integer("count"));
@@ -113,14 +114,15 @@ Result<GltfAccessorShape> read_shape(const GltfObject& object) {
   TRY_ASSIGN(const std::optional<bool> normalized, object.flag("normalized"));
   shape.normalized = normalized.value_or(false);
   shape.place = object.place();
-  // Elements are counted in 32 bits here and in Embree.
+  // This importer and Embree count elements in 32 bits.
   if (shape.count > std::numeric_limits<std::uint32_t>::max()) {
     return object.damaged("count", fmt::format("{} elements are more than 32 bits can count", shape.count));
   }
   return shape;
 }
 
-/// Returns the accessor with its data in the file; null data means zeros, if the file leaves them out.
+/// Returns the accessor with a pointer to its data; the pointer is null if the file omits the data, which are then
+/// zeros.
 Result<GltfAccessor> locate(GltfDocument* document, const GltfObject& object) {
   constexpr std::uint64_t kMaxZeros = std::uint64_t{1} << 22;
   TRY_ASSIGN(GltfAccessorShape shape, read_shape(object));
@@ -149,7 +151,7 @@ Result<GltfAccessor> locate(GltfDocument* document, const GltfObject& object) {
   return accessor;
 }
 
-/// Returns packed copies of `accessor`'s elements (zeros if it has none), to which sparse values may be applied.
+/// Returns packed copies of `accessor`'s elements, or zeros if it has no data; sparse values may be applied to them.
 Result<std::vector<std::byte>> packed_copy(const GltfAccessor& accessor, std::size_t element_bytes,
                                            GltfBudget* budget) {
   TRY(budget->take(accessor.place, accessor.count, element_bytes));

@@ -20,7 +20,7 @@ enum class GltfComponent : std::uint16_t { kI8 = 5120, kU8 = 5121, kI16 = 5122, 
 
 [[nodiscard]] std::size_t component_bytes(GltfComponent component);
 
-/// Checked accessor: every element lies inside `data`, at any alignment. A value; valid as long as the document.
+/// A checked accessor: every element is inside `data`, at any alignment. A value; valid as long as the document.
 struct GltfAccessor {
   const std::byte* data = nullptr;
   std::size_t count = 0;
@@ -36,7 +36,7 @@ struct GltfAccessor {
   }
 };
 
-/// Declared properties of an accessor without its data; Draco keeps the data elsewhere.
+/// Declared properties of an accessor without its data, which Draco stores elsewhere.
 struct GltfAccessorShape {
   std::uint64_t count = 0;
   GltfComponent component = GltfComponent::kF32;
@@ -45,14 +45,15 @@ struct GltfAccessorShape {
   std::string place;
 };
 
-/// Both resolve `index`, which must come from GltfDocument::index(). read_accessor() applies sparse values.
-/// Errors: kBadData if a type is wrong, values lie outside the buffer view, or the budget is exceeded.
+/// read_accessor_shape() and read_accessor() read accessor `index`, which must come from GltfDocument::index().
+/// read_accessor() also applies sparse values. Errors: kBadData if a type is wrong, values are outside the buffer view,
+/// or the budget is exceeded.
 Result<GltfAccessorShape> read_accessor_shape(const GltfDocument& document, std::size_t index);
 Result<GltfAccessor> read_accessor(GltfDocument* document, std::size_t index, GltfBudget* budget);
-/// Checks that the file holds as many elements as the accessor declares, without taking memory for them.
+/// Checks that the file has as many elements as the accessor declares, without allocating memory for them.
 Status check_accessor(GltfDocument* document, std::size_t index);
 
-/// Selected elements: all of them, or some in increasing order.
+/// A selection of elements: all of them, or some in increasing order.
 class GltfSelection {
  public:
   static GltfSelection all(std::size_t count) { return {count, {}}; }
@@ -71,8 +72,8 @@ class GltfSelection {
   std::vector<std::uint32_t> elements_;
 };
 
-/// Reads elements as floats; normalises integers if the accessor is normalised. Preconditions: the accessor's width is
-/// N, the selection is inside it, and the caller has charged the budget for the result.
+/// Reads elements as floats; integers are normalised if the accessor requests it. Preconditions: the accessor's width
+/// is N, the selection is inside it, and the caller has charged the budget for the result.
 template <std::size_t N>
 std::vector<std::array<float, N>> read_floats(const GltfAccessor& accessor, const GltfSelection& selection);
 extern template std::vector<std::array<float, 1>> read_floats(const GltfAccessor&, const GltfSelection&);
@@ -81,7 +82,8 @@ extern template std::vector<std::array<float, 3>> read_floats(const GltfAccessor
 extern template std::vector<std::array<float, 4>> read_floats(const GltfAccessor&, const GltfSelection&);
 extern template std::vector<std::array<float, 16>> read_floats(const GltfAccessor&, const GltfSelection&);
 
-/// Writes the first `indices.size()` elements. Precondition: an unsigned component of width 1, and enough elements.
+/// Writes the first `indices.size()` elements to `indices`. Precondition: the accessor has an unsigned component, width
+/// 1 and enough elements.
 void read_indices(const GltfAccessor& accessor, std::span<std::uint32_t> indices);
 
 }  // namespace cyclorama::scene

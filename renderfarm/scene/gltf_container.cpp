@@ -18,9 +18,9 @@ constexpr std::size_t kChunkHeaderBytes = 8;
 constexpr std::uint32_t kJsonChunk = 0x4e4f534a;
 constexpr std::uint32_t kBinaryChunk = 0x004e4942;
 
-// glTF itself nests about ten levels; "extras" may hold anything.
+// glTF itself nests about ten levels, but "extras" may contain anything.
 constexpr std::size_t kDeepestJson = 256;
-// One JSON tree node: its value, its share of an array or map, and the allocator's overhead.
+// Size of a node of the JSON tree: its value, its share of an array or map, and the allocator's overhead.
 constexpr std::size_t kBytesPerJsonValue = 96;
 
 Error damaged(std::string_view what) {
@@ -33,15 +33,15 @@ std::uint32_t read_u32(std::span<const std::byte> bytes, std::size_t offset) {
   return value;
 }
 
-/// True if the file ends at `at`, or a binary chunk that fits begins there.
+/// Returns true if the file ends at `at`, or if a binary chunk that fits into the file begins there.
 bool continues_at(std::span<const std::byte> bytes, std::size_t at) {
   if (at == bytes.size()) return true;
   return at < bytes.size() && bytes.size() - at >= kChunkHeaderBytes && read_u32(bytes, at + 4) == kBinaryChunk &&
          read_u32(bytes, at) <= bytes.size() - at - kChunkHeaderBytes;
 }
 
-/// Returns the end of the chunk whose content ends at `end`. Some writers that state a length which is not a multiple
-/// of 4 pad the chunk nevertheless, others do not. Returns nothing if neither or both are possible.
+/// Returns the end of the chunk whose content ends at `end`. Of the writers that state a length which is not a multiple
+/// of 4, some pad the chunk and others do not. Returns nothing if neither or both are possible.
 std::optional<std::size_t> end_of_chunk(std::span<const std::byte> bytes, std::size_t end) {
   const std::size_t padded = (end + 3) / 4 * 4;
   if (padded == end) return end;
@@ -89,7 +89,7 @@ Result<GltfChunks> split_binary(std::span<const std::byte> bytes) {
   return chunks;
 }
 
-// Counts what the parser would build, without building it.
+// Charges the budget for the tree that the parser would build, before it is built.
 Status check_json_shape(std::string_view text, GltfBudget* budget) {
   std::size_t depth = 0;
   std::size_t values = 1;
@@ -139,7 +139,7 @@ Status parse_gltf_json(std::string_view text, GltfBudget* budget, nlohmann::json
   } catch (const nlohmann::json::exception& e) {
     constexpr std::size_t kMaxReasonBytes = 200;
     std::string_view reason = e.what();
-    // The library's own prefix, "[json.exception.parse_error.101] ", does not help the reader.
+    // The library's prefix, "[json.exception.parse_error.101] ", does not help users.
     if (const std::size_t prefix = reason.find("] "); prefix != std::string_view::npos)
       reason.remove_prefix(prefix + 2);
     return damaged(fmt::format("the JSON cannot be read: {}", printable(reason, kMaxReasonBytes)));

@@ -17,15 +17,16 @@ namespace cyclorama::scene {
 struct GltfChunks {
   std::string_view json;
   std::optional<std::span<const std::byte>> binary;
-  bool has_unpadded_chunk = false;  ///< A chunk's length is not a multiple of 4, against the specification.
+  bool has_unpadded_chunk = false;  ///< A chunk's length is not a multiple of 4, contrary to the specification.
 };
 
-/// Errors: kBadData for anything but .glb and .gltf, and for a damaged .glb. The length of a chunk that is not a
-/// multiple of 4 is accepted where the next chunk, or the end, shows whether it is followed by padding. Source: glTF 2.0, section 4.4.
+/// Finds the chunks of a .glb or .gltf file. Errors: kBadData for any other content and for a damaged .glb. A chunk
+/// length that is not a multiple of 4 is accepted if the next chunk or the end of the file shows whether the chunk is
+/// padded. Source: glTF 2.0, section 4.4.
 Result<GltfChunks> split_gltf(std::span<const std::byte> bytes);
 
-/// Parses without recursion. Refuses text that is nested too deeply or whose tree would not fit the budget, before
-/// anything is built.
+/// Parses JSON without recursion. Text that is nested too deeply, or whose tree would exceed the budget, is refused
+/// before anything is built.
 Status parse_gltf_json(std::string_view text, GltfBudget* budget, nlohmann::json* ret_root);
 
 }  // namespace cyclorama::scene

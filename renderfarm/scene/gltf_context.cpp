@@ -8,7 +8,7 @@
 namespace cyclorama::scene {
 namespace {
 
-constexpr std::size_t kMaxNotes = 60;  // About a page; a longer list would hide what matters.
+constexpr std::size_t kMaxNotes = 60;  // About a page; a longer list would hide the important notes.
 
 }  // namespace
 

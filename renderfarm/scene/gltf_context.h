@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// State shared by all parts of one glTF import: the memory that is left, and the notes for the user.
+/// State shared by all parts of one glTF import: the remaining memory budget, and the notes for the user.
 #pragma once
 
 #include <algorithm>
@@ -15,9 +15,9 @@
 
 namespace cyclorama::scene {
 
-/// Memory budget, charged before memory is taken for anything whose size a file decides. Up to 4 GiB of the limit are
-/// available from the start; the rest is released in proportion to the stored bytes, so that a small file cannot claim
-/// the memory of a whole machine. Thread-bound.
+/// Memory budget, which is charged before memory is allocated for anything whose size depends on the file. Up to 4 GiB
+/// of the limit are available from the start; the rest is released in proportion to the bytes that the import reads, so
+/// that a small file cannot claim the memory of a whole machine. Thread-bound.
 class GltfBudget {
  public:
   explicit GltfBudget(std::size_t limit_bytes)
@@ -28,22 +28,22 @@ class GltfBudget {
   /// Releases up to kBytesPerStored bytes of the limit for each of the `stored` bytes that the import reads.
   void earn(std::uint64_t stored);
 
-  /// Charges `count` items of `bytes_each` for `place`. Errors: kBadData if that is more than what is left.
+  /// Charges `count` items of `bytes_each`; `place` is named in errors. Errors: kBadData if the budget has less left.
   Status take(std::string_view place, std::uint64_t count, std::size_t bytes_each);
-  /// Returns what was taken temporarily.
+  /// Returns memory that was taken temporarily to the budget.
   void give_back(std::uint64_t count, std::size_t bytes_each) { left_bytes_ += count * bytes_each; }
   [[nodiscard]] std::size_t left_bytes() const { return left_bytes_; }
 
  private:
   static constexpr std::size_t kFreeBytes = std::size_t{4} << 30;
-  static constexpr std::size_t kBytesPerStored = 64;  ///< Draco's triangles take about a byte each and expand to 40.
+  static constexpr std::size_t kBytesPerStored = 64;  ///< For example, a triangle takes 1 byte in Draco and 40 decoded.
 
   std::size_t limit_bytes_;
   std::size_t left_bytes_;
   std::size_t withheld_bytes_;
 };
 
-/// Collects Model::notes; the same sentence about a thousand places becomes one note. Thread-bound.
+/// Collects Model::notes. A sentence that applies to many places becomes one note. Thread-bound.
 class GltfNotes {
  public:
   void add(const std::string& sentence, std::string_view place);

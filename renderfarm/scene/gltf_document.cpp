@@ -175,7 +175,7 @@ Result<std::span<const std::byte>> GltfDocument::resource(const GltfObject& from
   }
   Result<MappedFile> file = MappedFile::open(*path);
   if (!file) return std::move(file).error().while_doing(place);
-  // A file that is named a thousand times is stored, and counted, once.
+  // A file to which many references lead counts only once.
   if (state_->earned.insert(*path).second) state_->context->budget.earn(file->bytes().size());
   state_->files.push_back(*std::move(file));
   return state_->files.back().bytes();

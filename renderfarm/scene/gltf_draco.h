@@ -12,7 +12,8 @@
 
 namespace cyclorama::scene {
 
-/// Sizes from the uncompressed accessors; data that announces other sizes is refused before it is decoded.
+/// Sizes that the primitive's accessors declare; compressed data that announces other sizes is refused before it is
+/// decoded.
 struct GltfDracoPromise {
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
@@ -21,17 +22,18 @@ struct GltfDracoPromise {
 /// One decoded primitive. Move-only, thread-bound.
 class GltfDracoMesh {
  public:
-  /// `extension` is the primitive's KHR_draco_mesh_compression object. Errors: kBadData if it is damaged or over the
-  /// budget.
+  /// Decodes a primitive; `extension` is its KHR_draco_mesh_compression object. Errors: kBadData if the data is damaged
+  /// or exceeds the budget.
   static Result<GltfDracoMesh> decode(GltfDocument* document, const GltfObject& extension,
                                       const GltfDracoPromise& promise, GltfBudget* budget);
   GltfDracoMesh(GltfDracoMesh&&) noexcept;
   GltfDracoMesh& operator=(GltfDracoMesh&&) noexcept;
   ~GltfDracoMesh();
 
-  /// The caller has charged the budget for the triangles.
+  /// Returns the triangles. Precondition: the caller has charged the budget for them.
   [[nodiscard]] GltfTriangles triangles() const;
-  /// Returns nothing if this semantic (such as "POSITION") is not compressed. `shape` describes its accessor.
+  /// Returns an attribute; nothing if `semantic` (such as "POSITION") is not compressed. `shape` is that of its
+  /// accessor.
   Result<std::optional<GltfAccessor>> attribute(const char* semantic, const GltfAccessorShape& shape,
                                                 GltfBudget* budget) const;
 

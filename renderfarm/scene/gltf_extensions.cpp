@@ -27,12 +27,12 @@ constexpr std::array<std::string_view, 20> kSupported = {
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
-    "KHR_materials_variants",  // A file without a choice shows its own materials.
+    "KHR_materials_variants",  // Without a choice of variant, the default materials are shown.
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_basisu",
     "KHR_texture_transform",
-    "KHR_xmp_json_ld",  // Text about the file.
+    "KHR_xmp_json_ld",  // Metadata of the file.
 };
 
 template <typename List>

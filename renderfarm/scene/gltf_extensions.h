@@ -11,8 +11,8 @@
 
 namespace cyclorama::scene {
 
-/// Returns the names in extensionsUsed and notes each unsupported one once. Errors: kBadData, with its name, if an
-/// unsupported extension is required: to its author, the file cannot be shown without it.
+/// Returns the names in extensionsUsed and notes each unsupported extension once. Errors: kBadData, with the
+/// extension's name, if the file requires an unsupported extension, without which its author considers it unusable.
 Result<std::set<std::string, std::less<>>> check_gltf_extensions(const GltfObject& root, GltfNotes* notes);
 
 }  // namespace cyclorama::scene

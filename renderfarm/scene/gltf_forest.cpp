@@ -32,7 +32,8 @@ Result<Parents> read_children(const GltfArray& nodes, GltfForest* forest) {
   return parents;
 }
 
-/// Every node has at most one parent, so a node that no root reaches is in a loop or below one.
+/// Checks that the forest has no loops. Every node has at most one parent, so a node that cannot be reached from a root
+/// is in a loop or below one.
 Status check_no_loops(const GltfForest& forest, const Parents& parents, const GltfArray& nodes) {
   std::vector<bool> reached(parents.size());
   std::vector<std::size_t> waiting;
@@ -67,8 +68,8 @@ Result<std::vector<std::size_t>> roots_of_scene(const GltfDocument& document, co
     if (!named[root]) roots.push_back(root);
     named[root] = true;
   }
-  // A node whose ancestor is shown appears at its place below that one, whether it is listed or not. A node whose
-  // ancestors are not shown is a root, since the scene lists it.
+  // A node whose ancestor is shown appears below that ancestor, whether the scene lists the node or not. A node without
+  // shown ancestors is a root, because the scene lists it.
   std::erase_if(roots, [&](std::size_t root) {
     if (parents[root]) notes->add("a scene names a node that is the child of another: shown once", nodes.place());
     for (std::optional<std::size_t> above = parents[root]; above; above = parents[*above]) {

@@ -43,7 +43,7 @@ Result<Model> import_gltf_bytes(std::span<const std::byte> bytes, const std::opt
   } catch (const std::bad_alloc&) {
     return Error(ErrorCode::kSystem, "there is not enough memory for this scene; simplify it, or use a larger machine");
   } catch (const std::exception& e) {
-    // Draco, the JSON library and std::filesystem may throw in unforeseeable places.
+    // Draco, the JSON library and std::filesystem may throw at unpredictable points.
     return Error(ErrorCode::kBadData, fmt::format("the file cannot be read: {}", e.what()));
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// import_gltf() of model.h for bytes in memory.
+/// The counterpart of import_gltf() (model.h) for bytes in memory.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@
 
 namespace cyclorama::scene {
 
-/// Same contract as import_gltf(), but errors name the place and not the file. Files that the scene refers to are read
-/// from `folder`; without it, such a scene is refused. Reentrant.
+/// Imports glTF like import_gltf(), but errors name the place in the JSON and not the file. Files to which the scene
+/// refers are read from `folder`; without it, a scene that refers to files is refused. Reentrant.
 Result<Model> import_gltf_bytes(std::span<const std::byte> bytes, const std::optional<std::filesystem::path>& folder,
                                 const ImportLimits& limits);
 

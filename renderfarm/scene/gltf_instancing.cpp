@@ -12,8 +12,8 @@
 namespace cyclorama::scene {
 namespace {
 
-/// Returns nothing if the attribute is absent. All attributes have the same length, which the first one stores in
-/// `count`.
+/// Reads one attribute; returns an empty list if it is absent. All attributes must have the same length, which the
+/// first one read stores in `count`.
 template <std::size_t N>
 Result<std::vector<std::array<float, N>>> read_values(GltfDocument* document, const GltfObject& attributes,
                                                       const char* name, GltfContext* context,

@@ -29,7 +29,7 @@ std::optional<double> finite_number(const nlohmann::json& value) {
   return number;
 }
 
-// RFC 6901: the two characters that a JSON pointer escapes.
+// Returns the JSON pointer of a child, with '~' and '/' escaped as in RFC 6901.
 std::string child_place(std::string_view place, std::string_view key) {
   std::string child(place);
   child += '/';

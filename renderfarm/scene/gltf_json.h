@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Strict reader of glTF's JSON. Any deviation from the specification is an error that names the place as a JSON
-/// pointer ("/accessors/3/count: ..."). The importer prefixes the file.
+/// pointer ("/accessors/3/count: ..."). The importer prefixes the file's name.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ namespace cyclorama::scene {
 
 class GltfArray;
 
-/// Returns kBadData with the remedy that applies to every damaged file.
+/// Returns a kBadData error, with the remedy that applies to every damaged file.
 Error gltf_damaged(std::string_view place, std::string_view what);
 
 /// One JSON object and its place. Borrows the parsed document. An absent key is an empty optional; a key of the wrong
@@ -31,18 +31,18 @@ class GltfObject {
   [[nodiscard]] Error damaged(std::string_view key, std::string_view what) const;
 
   Result<std::optional<double>> number(const char* key) const;
-  /// Whole and not negative; "3.0" counts as a whole number.
+  /// Returns a whole number that is not negative; "3.0" counts as whole.
   Result<std::optional<std::uint64_t>> integer(const char* key) const;
   Result<std::uint64_t> required_integer(const char* key) const;
   Result<std::optional<bool>> flag(const char* key) const;
   Result<std::optional<std::string>> text(const char* key) const;
   Result<std::string> text_or(const char* key, const char* fallback) const;
-  /// The "name" that most objects may have. Never an error, since it is for people only.
+  /// Returns the optional "name" of an object. It is never an error, because only people read it.
   [[nodiscard]] std::string name() const;
   Result<std::optional<GltfObject>> object(const char* key) const;
-  /// Returns extensions.NAME.
+  /// Returns the member `name` of the object "extensions".
   Result<std::optional<GltfObject>> extension(const char* name) const;
-  /// Empty when the key is absent.
+  /// Returns an array; empty if the key is absent.
   Result<GltfArray> array(const char* key) const;
 
   template <std::size_t N>
@@ -69,7 +69,7 @@ class GltfArray {
 
   [[nodiscard]] const std::string& place() const { return place_; }
   [[nodiscard]] std::size_t size() const;
-  /// Precondition of all four: index < size().
+  /// Precondition of this function and the next four: index < size().
   Result<GltfObject> object(std::size_t index) const;
   Result<std::uint64_t> integer(std::size_t index) const;
   [[nodiscard]] Result<double> number(std::size_t index) const;

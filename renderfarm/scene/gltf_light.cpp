@@ -43,7 +43,7 @@ Status read_cone(const GltfObject& object, Light* ret_light) {
 }
 
 Status place(const Eigen::Affine3d& T_model_node, const GltfObject& object, Light* ret_light) {
-  // A light shines along its node's -z.
+  // A light shines along the -z axis of its node.
   const Eigen::Vector3d direction = T_model_node.linear() * -Eigen::Vector3d::UnitZ();
   const double length = direction.norm();
   const bool needs_direction = ret_light->kind != LightKind::kPoint;

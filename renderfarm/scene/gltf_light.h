@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// KHR_lights_punctual.
+/// Reads the lights of KHR_lights_punctual.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -12,7 +12,7 @@
 
 namespace cyclorama::scene {
 
-/// Returns the light that `node` carries, in the model's frame, or nothing. Notes lights of unknown kinds.
+/// Returns the light of `node` in the model's frame; nothing if it has none. Lights of unknown kinds are noted.
 Result<std::optional<Light>> read_node_light(const GltfDocument& document, const GltfObject& node,
                                              const Eigen::Affine3d& T_model_node, GltfNotes* notes);
 

@@ -64,7 +64,7 @@ Material plain_material() {
   return material;
 }
 
-/// Keeps what an unlit material shows: its base colour and its alpha.
+/// Returns the parts of a material that an unlit surface shows: base colour and alpha.
 Material unlit_material(Material full) {
   Material material = plain_material();
   material.unlit = true;

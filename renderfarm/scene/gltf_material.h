@@ -18,19 +18,19 @@
 
 namespace cyclorama::scene {
 
-/// Reads one material. Its TextureUses hold checked indices into glTF's textures, not into Model's. Texture coordinates
-/// beyond the second set are dropped with a note.
+/// Reads one material. Its TextureUses contain checked indices into glTF's textures, not into Model::textures. Texture
+/// coordinates beyond the second set are dropped with a note.
 Result<Material> read_gltf_material(const GltfDocument& document, const GltfObject& object, GltfNotes* notes);
 
-/// Gives each primitive its material and loads it on first use. Borrows its arguments. Thread-bound.
+/// Provides the materials of primitives; each is loaded on first use. Borrows its arguments. Thread-bound.
 class GltfMaterials {
  public:
   GltfMaterials(GltfDocument* document, GltfContext* context, Model* ret_model)
       : document_(document), context_(context), model_(ret_model), textures_(document, context, &ret_model->textures) {}
 
-  /// Returns an index into Model::materials. Leaves out textures whose coordinates the primitive lacks
-  /// (`has_texcoords`), so that every TextureUse in the model can be sampled. `index` is glTF's; none means a plain
-  /// white surface.
+  /// Returns an index into Model::materials. `index` is glTF's; without one, the material is plain white.
+  /// `has_texcoords` states which sets of texture coordinates the primitive has; textures that need another set are
+  /// left out, so that every TextureUse in the model can be sampled.
   Result<int> load(std::optional<std::size_t> index, const std::array<bool, 2>& has_texcoords, std::string_view place);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The extensions for index of refraction, specular strength, clearcoat, transmission and volume.
+/// Material extensions for index of refraction, specular strength, clearcoat, transmission and volume.
 #pragma once
 
 #include "common/base/result.h"
@@ -10,7 +10,7 @@
 namespace cyclorama::scene {
 
 /// Reads KHR_materials_ior, _specular, _clearcoat, _transmission and _volume of the material `object`. Each TextureUse
-/// holds a checked index into glTF's textures.
+/// contains a checked index into glTF's textures.
 Status read_material_layers(const GltfDocument& document, const GltfObject& object, GltfNotes* notes,
                             Material* ret_material);
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::array<const char*, 2> kTexcoords = {"TEXCOORD_0", "TEXCOORD_1"};
 
-/// Texture coordinate sets that the material samples; the others would only take memory.
+/// Returns, for each set of texture coordinates, true if the material samples it; other sets would only take memory.
 std::array<bool, 2> sampled_texcoords(const Material& material) {
   std::array<bool, 2> sampled = {false, false};
   for (TextureUse Material::*const at : texture_places()) {
@@ -31,7 +31,7 @@ Status read_vertices(const GltfPrimitive& primitive, const GltfSelection& select
   TRY_ASSIGN(const std::optional<GltfAccessor> normals, primitive.attribute("NORMAL", GltfVertexKind::kNormal));
   if (normals) TRY(read_normals(*normals, selection, context, mesh));
   const bool normal_mapped = material.normal_texture.texture >= 0 || material.clearcoat_normal_texture.texture >= 0;
-  if (normals && normal_mapped) {  // glTF: tangents without normals are ignored.
+  if (normals && normal_mapped) {  // In glTF, tangents without normals are ignored.
     TRY_ASSIGN(const std::optional<GltfAccessor> tangents, primitive.attribute("TANGENT", GltfVertexKind::kTangent));
     if (tangents) TRY(read_tangents(*tangents, selection, context, mesh));
   }
@@ -60,7 +60,7 @@ Result<const std::vector<int>*> GltfMeshes::load(std::size_t index) {
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     TRY_ASSIGN(const GltfObject primitive, primitives.object(i));
     TRY_ASSIGN(const bool is_splats, is_gltf_splats(primitive));
-    if (is_splats) continue;  // add_gltf_splats() reads them.
+    if (is_splats) continue;  // add_gltf_splats() reads splats.
     std::optional<GltfSkinning> skinning;
     TRY_ASSIGN(std::optional<Mesh> mesh, read_primitive(primitive, morph_weights, &skinning));
     if (!mesh) continue;

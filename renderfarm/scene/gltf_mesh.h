@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Each primitive with a surface becomes one Mesh.
+/// Converts glTF meshes: each primitive with a surface becomes one Mesh.
 #pragma once
 
 #include <cstddef>
@@ -25,8 +25,8 @@ class GltfMeshes {
   /// Returns indices into Model::meshes, valid as long as this object. Precondition: `index` came from
   /// GltfDocument::index().
   Result<const std::vector<int>*> load(std::size_t index);
-  /// Returns the meshes of `index` moved by a skin's pose; those without joints stay out of it, with a note. A copy is
-  /// made for each call, since two nodes rarely share a skinned mesh.
+  /// Returns the meshes of `index`, moved by the pose of a skin; meshes without joints are not moved, with a note. Each
+  /// call makes a copy, because two nodes rarely share a skinned mesh.
   Result<std::vector<int>> load_posed(std::size_t index, const std::vector<Eigen::Affine3d>& pose,
                                       const std::string& place);
 

@@ -12,9 +12,9 @@
 namespace cyclorama::scene {
 namespace {
 
-/// The library asserts these, so they are checked before it is called.
+/// The library asserts this limit, so it is checked before the library is called.
 constexpr std::uint64_t kMaxVertexBytes = 256;
-/// The vertex codec takes at least 2 bits for 16 equal bytes.
+/// The vertex codec needs at least 2 bits for 16 equal bytes.
 constexpr std::uint64_t kMaxExpansion = 64;
 
 struct Layout {
@@ -61,7 +61,7 @@ Status check_stride(const GltfObject& extension, const Layout& layout) {
 }
 
 Status check_count(const GltfObject& extension, const Layout& layout, std::size_t stored_bytes) {
-  // Each triangle takes at least a byte, as does each index of a sequence.
+  // Each triangle takes at least one byte, as does each index of a sequence.
   std::uint64_t max_count = stored_bytes * kMaxExpansion / layout.stride;
   if (layout.mode == "TRIANGLES") max_count = std::uint64_t{3} * stored_bytes;
   if (layout.mode == "INDICES") max_count = stored_bytes;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// EXT_meshopt_compression: a buffer view stored in fewer bytes. Source: the extension's specification in Khronos' glTF
-/// repository.
+/// EXT_meshopt_compression: compressed buffer views. Source: the extension's specification in Khronos' glTF repository.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +12,10 @@
 
 namespace cyclorama::scene {
 
-/// Decodes `stored`, the part of a buffer that `extension` refers to, into count x byteStride bytes. Indices may be out
-/// of range, as in any buffer. Errors: kBadData for a mode, filter or stride that the extension does not allow, for
-/// damaged data, and for a count that `stored` cannot hold or that exceeds the budget; both before memory is taken.
+/// Decodes `stored`, the part of a buffer to which `extension` refers, into count x byteStride bytes. Decoded indices
+/// may be out of range, as in any buffer. Errors: kBadData for a mode, filter or stride that the extension does not
+/// allow, for damaged data, and, before memory is allocated, for a count that `stored` cannot contain or that exceeds
+/// the budget.
 Result<std::vector<std::byte>> decode_meshopt(const GltfObject& extension, std::span<const std::byte> stored,
                                               GltfBudget* budget);
 

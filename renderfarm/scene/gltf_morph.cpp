@@ -13,7 +13,7 @@ namespace {
 
 using Values = std::vector<std::array<float, 3>>;
 
-/// Adds one attribute of a target, if it has it.
+/// Adds one attribute of a morph target to `values`, if the target has that attribute.
 Status add_offsets(GltfDocument* document, const GltfObject& target, const char* semantic, double weight,
                    std::size_t vertex_count, const GltfSelection& selection, GltfBudget* budget, Values* values) {
   TRY_ASSIGN(const std::optional<std::size_t> index, document->index(target, semantic, "accessors"));
@@ -29,7 +29,7 @@ Status add_offsets(GltfDocument* document, const GltfObject& target, const char*
   for (std::size_t i = 0; i < offsets.size(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
       const double moved = double{(*values)[i][k]} + weight * double{offsets[i][k]};
-      // A vertex that would leave all bounds stays where it is.
+      // A value that would exceed kMaxCoordinate is not changed.
       if (std::abs(moved) < kMaxCoordinate) (*values)[i][k] = static_cast<float>(moved);
     }
   }

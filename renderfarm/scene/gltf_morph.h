@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Morph targets at the weights that a mesh has of itself. Source: glTF 2.0, section 3.7.2.2.
+/// Morph targets, applied with the default weights of their mesh. Source: glTF 2.0, section 3.7.2.2.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@
 
 namespace cyclorama::scene {
 
-/// Returns `weights` of a mesh; none if it has none, which means zeros.
+/// Returns the `weights` of a mesh; empty if the mesh has none, which means that all are zero.
 Result<std::vector<double>> read_morph_weights(const GltfObject& mesh);
 
 /// Adds the targets of `primitive` whose weights are not zero to the positions and normals of `mesh`, which holds the

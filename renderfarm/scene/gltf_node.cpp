@@ -18,7 +18,7 @@ struct Stage {
   GltfContext* context;
   GltfMeshes* meshes;
   Model* model;
-  std::vector<Eigen::Affine3d> T_model_node;  ///< For skins; empty if the file has none.
+  std::vector<Eigen::Affine3d> T_model_node;  ///< Used for skins; empty if the file has none.
 };
 
 Status show_copy(const Stage& stage, const std::vector<int>& meshes, const Eigen::Affine3d& T_model_mesh,
@@ -33,7 +33,7 @@ Status show_copy(const Stage& stage, const std::vector<int>& meshes, const Eigen
   return Done{};
 }
 
-/// Shows a mesh in the rest pose of its skin. The node's own transform does not count: the joints place the mesh.
+/// Shows a mesh in the rest pose of its skin. The transform of the node is ignored, because the joints place the mesh.
 Status show_skinned(const Stage& stage, const GltfObject& node, std::size_t mesh) {
   TRY_ASSIGN(const std::size_t index, stage.document->required_index(node, "skin", "skins"));
   TRY_ASSIGN(const GltfObject skin, stage.document->item("skins", index));
@@ -62,7 +62,7 @@ Status show_mesh(const Stage& stage, const GltfObject& node, const Eigen::Affine
   return Done{};
 }
 
-/// Keeps only a camera's pose, since the wall determines the field of view.
+/// Reads the pose of a node's camera. The rest of the camera is ignored, because the wall determines the field of view.
 Status read_viewpoint(const Stage& stage, const GltfObject& node, const Eigen::Affine3d& T_model_node) {
   TRY_ASSIGN(const std::optional<std::size_t> camera, stage.document->index(node, "camera", "cameras"));
   if (!camera) return Done{};
@@ -102,7 +102,7 @@ Status show_nodes(const Stage& stage, const GltfForest& forest) {
   return Done{};
 }
 
-/// Returns the transform of each node. Joints may stand outside of the shown scene, so all trees count.
+/// Returns the transform of each node. All trees are included, because joints may be outside the shown scene.
 Result<std::vector<Eigen::Affine3d>> transforms_of_nodes(const GltfDocument& document, const GltfForest& forest,
                                                          GltfContext* context) {
   TRY(context->budget.take("/nodes", forest.children.size(), sizeof(Eigen::Affine3d)));

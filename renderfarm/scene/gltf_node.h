@@ -20,12 +20,12 @@ struct GltfForest {
   std::vector<std::size_t> shown_roots;  ///< Roots of the default scene, or of the whole file if it has no scenes.
 };
 
-/// A scene that lists a node twice, or a node and its descendant, shows it once, with a note. Errors: kBadData for a
-/// loop or a node with two parents.
+/// Reads the forest. A node that the scene lists twice, or together with an ancestor, is shown once, with a note.
+/// Errors: kBadData for a loop or a node with two parents.
 Result<GltfForest> read_gltf_forest(const GltfDocument& document, GltfNotes* notes);
 
-/// Fills instances, lights and viewpoints, and loads what they need through `meshes`. A file with meshes but no nodes
-/// shows each mesh once.
+/// Fills the instances, lights and viewpoints of the model, and loads the meshes that they need through `meshes`. A
+/// file with meshes but no nodes shows each mesh once.
 Status show_gltf_scene(GltfDocument* document, GltfContext* context, GltfMeshes* meshes, Model* ret_model);
 
 }  // namespace cyclorama::scene

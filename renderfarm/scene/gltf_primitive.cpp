@@ -40,7 +40,8 @@ Result<std::optional<GltfPrimitive>> GltfPrimitive::open(GltfDocument* document,
   if (draco) {
     TRY(opened.open_draco(*draco));
   } else {
-    TRY(check_accessor(document, *position));  // Prevents triangles for a vertex count that the file has no data for.
+    // The file must have data for all vertices before triangles are made of them.
+    TRY(check_accessor(document, *position));
   }
   return std::optional(std::move(opened));
 }
@@ -48,8 +49,8 @@ Result<std::optional<GltfPrimitive>> GltfPrimitive::open(GltfDocument* document,
 Status GltfPrimitive::open_draco(const GltfObject& extension) {
   TRY_ASSIGN(const std::size_t indices, document_->required_index(object_, "indices", "accessors"));
   TRY_ASSIGN(const GltfAccessorShape shape, read_accessor_shape(*document_, indices));
-  // Draco encodes triangles only. The extension also allows it for strips, but their accessor's count then does not
-  // give the number of triangles.
+  // Draco encodes only triangles. The extension also allows strips, but then the count of the accessor does not
+  // determine the number of triangles.
   if (topology_ != GltfTopology::kTriangles) {
     return object_.damaged("mode", "Draco data of strips and fans is not supported");
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Locates the data of one primitive: in accessors, or in a Draco mesh with accessors that describe it.
+/// Locates the data of one primitive, either in accessors or in a Draco mesh that accessors describe.
 #pragma once
 
 #include <optional>
@@ -13,19 +13,20 @@
 
 namespace cyclorama::scene {
 
-/// Borrows document and context. Thread-bound.
+/// One primitive with a surface. Borrows document and context. Thread-bound.
 class GltfPrimitive {
  public:
-  /// Returns nothing, with a note, for a primitive without a surface: points, lines, no positions, no vertices.
+  /// Opens a primitive. Returns nothing, with a note, if it has no surface: if it has points or lines, no positions or
+  /// no vertices.
   static Result<std::optional<GltfPrimitive>> open(GltfDocument* document, GltfContext* context,
                                                    const GltfObject& primitive);
 
   [[nodiscard]] std::size_t vertex_count() const { return vertex_count_; }
   [[nodiscard]] bool has(const char* semantic) const { return attributes_.has(semantic); }
-  /// All corners are below vertex_count().
+  /// Returns the triangles; all corners are below vertex_count().
   Result<GltfTriangles> triangles() const;
-  /// Returns nothing if the primitive lacks it. Errors: kBadData if its type or count is wrong or it lies outside its
-  /// buffer.
+  /// Returns an attribute; nothing if the primitive lacks it. Errors: kBadData if its type or count is wrong or its
+  /// data is outside the buffer.
   Result<std::optional<GltfAccessor>> attribute(const char* semantic, GltfVertexKind kind) const;
 
  private:

@@ -28,7 +28,7 @@ Eigen::Vector3f moved(const Eigen::Matrix3d& linear, const float* xyz) {
                                                : Eigen::Vector3f(Eigen::Vector3f::Zero());
 }
 
-/// Weighted mean of the transforms that move a vertex.
+/// Returns the weighted mean of the transforms of a vertex's joints.
 Eigen::Affine3d mean_pose(const std::array<std::uint16_t, 4>& joints, const std::array<float, 4>& weights,
                           const std::vector<Eigen::Affine3d>& pose) {
   Eigen::Affine3d T;

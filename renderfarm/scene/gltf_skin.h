@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Skins in their rest pose: the pose in which the file's nodes stand. Source: glTF 2.0, section 3.7.3.
+/// Skins in their rest pose, which the transforms of the file's nodes define. Source: glTF 2.0, section 3.7.3.
 #pragma once
 
 #include <array>
@@ -21,17 +21,18 @@ struct GltfSkinning {
 };
 
 /// Converts JOINTS_0 and WEIGHTS_0 of the selected vertices; a vertex without weights follows its first joint.
-/// Precondition: their formats have been checked. Errors: kBadData if the budget is exceeded.
+/// Precondition: the formats of both accessors have been checked. Errors: kBadData if the budget is exceeded.
 Result<GltfSkinning> read_skinning(const GltfAccessor& joints, const GltfAccessor& weights,
                                    const GltfSelection& selection, GltfBudget* budget);
 
-/// Returns for each joint of `skin` its transform times its inverse bind matrix: from the stored mesh to the model.
-/// `T_model_node` has one entry per node. Errors: kBadData if the skin refers to nothing or its matrices are no
-/// transforms.
+/// Returns, for each joint of `skin`, its transform times its inverse bind matrix, which leads from the stored mesh to
+/// the model. `T_model_node` has one entry per node. Errors: kBadData if a reference of the skin is invalid or its
+/// matrices are not transforms.
 Result<std::vector<Eigen::Affine3d>> read_pose(GltfDocument* document, const GltfObject& skin,
                                                const std::vector<Eigen::Affine3d>& T_model_node, GltfBudget* budget);
 
-/// Moves positions, normals and tangents. Errors: kBadData, at `place`, if a vertex follows a joint that the skin lacks.
+/// Moves the positions, normals and tangents of `mesh`. Errors: kBadData, with `place`, if a vertex follows a joint
+/// that the skin lacks.
 Status apply_pose(const GltfSkinning& skinning, const std::vector<Eigen::Affine3d>& pose, const std::string& place,
                   Mesh* mesh);
 

@@ -58,7 +58,7 @@ Status read_specular_glossiness(const GltfDocument& document, const GltfObject& 
   ret_material->metallic_roughness_texture = TextureUse{};
   TRY_ASSIGN(ret_material->base_colour_texture, read_texture_use(document, extension, "diffuseTexture", notes));
   if (ret_material->base_colour_texture.texture >= 0 || extension.has("specularGlossinessTexture")) {
-    // With textures the factors are mere multipliers and contain no information about metal.
+    // If there are textures, the factors only multiply them and contain no information about metal.
     ret_material->metallic = 0.0f;
     constexpr float kMiddling = 0.5f;
     if (extension.has("specularGlossinessTexture"))

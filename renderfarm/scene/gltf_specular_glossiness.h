@@ -9,8 +9,8 @@
 
 namespace cyclorama::scene {
 
-/// Replaces the metallic-roughness part of `ret_material`. Converts the factors; leaves out the texture of specular
-/// colour and glossiness with a note.
+/// Replaces the metallic-roughness part of `ret_material` by the converted factors. The texture of specular colour and
+/// glossiness is left out, with a note.
 Status read_specular_glossiness(const GltfDocument& document, const GltfObject& extension, GltfNotes* notes,
                                 Material* ret_material);
 

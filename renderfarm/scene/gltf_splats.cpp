@@ -76,7 +76,7 @@ class SplatReader {
     return *std::move(values);
   }
 
-  /// One entry for each coefficient; a degree that lacks some of its own ends the list.
+  /// Returns one entry for each coefficient, up to the last degree whose coefficients are complete.
   Result<std::vector<Values<3>>> read_harmonics(int* ret_degree) {
     std::vector<Values<3>> harmonics;
     for (int degree = 0; degree <= kMaxSplatDegree; ++degree) {
@@ -96,7 +96,7 @@ class SplatReader {
     return harmonics;
   }
 
-  /// COLOR_0, which files have for programs that show points.
+  /// Reads COLOR_0, which files have for programs that show points instead of splats.
   Result<Values<3>> read_fallback_colours() {
     TRY_ASSIGN(const std::optional<std::size_t> index, document_->index(attributes_, "COLOR_0", "accessors"));
     if (!index) return attributes_.damaged("KHR_gaussian_splatting:SH_DEGREE_0_COEF_0", "is missing");
@@ -114,7 +114,8 @@ class SplatReader {
     return colours;
   }
 
-  /// Scales are linear. In drafts of the extension they were logarithms, which are negative where splats are small.
+  /// Converts `scales` to linear values if they are logarithms. Scales were logarithms in drafts of the extension;
+  /// those of small splats are negative.
   void make_linear(Values<3>* scales, const std::string& place) {
     const bool are_logarithms = std::any_of(scales->begin(), scales->end(), [](const std::array<float, 3>& scale) {
       return scale[0] < 0.0f || scale[1] < 0.0f || scale[2] < 0.0f;
@@ -150,7 +151,7 @@ Result<SplatCloud> read_primitive(GltfDocument* document, GltfContext* context, 
   return SplatReader(document, context, *attributes).read(primitive.place());
 }
 
-/// Notes kinds that are shown as the usual one. Returns whether colours are linear.
+/// Notes a kernel or colour space that is not supported and shown as the default. Returns true if colours are linear.
 Result<bool> check_kind(const GltfObject& splatting, GltfContext* context) {
   TRY_ASSIGN(const std::string kernel, splatting.text_or("kernel", "ellipse"));
   if (kernel != "ellipse") {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// KHR_gaussian_splatting, with SPZ inside or with accessors.
+/// KHR_gaussian_splatting, with data in SPZ or in accessors.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -12,11 +12,11 @@
 
 namespace cyclorama::scene {
 
-/// True if a primitive is splats, whatever its points would be otherwise.
+/// Returns true if the points of a primitive are splats.
 Result<bool> is_gltf_splats(const GltfObject& primitive);
 
-/// Adds the splats of a mesh, placed by `T_model_mesh`. Errors: kBadData if they are damaged or exceed the budget.
-/// Precondition: `mesh` came from GltfDocument::index().
+/// Adds the splats of a mesh, placed by `T_model_mesh`, to the model. Errors: kBadData if they are damaged or exceed
+/// the budget. Precondition: `mesh` came from GltfDocument::index().
 Status add_gltf_splats(GltfDocument* document, GltfContext* context, std::size_t mesh,
                        const Eigen::Affine3d& T_model_mesh, Model* ret_model);
 

@@ -16,7 +16,7 @@ namespace cyclorama::scene {
 namespace {
 
 constexpr std::size_t kPixelBytes = 4;
-// While a JPEG is decoded, its three bytes per pixel are held besides the four that are kept.
+// While a JPEG is decoded, its three bytes per pixel are in memory in addition to the four of the result.
 constexpr std::size_t kDecodingBytesPerPixel = 8;
 
 Result<WrapMode> read_wrap(const GltfObject& sampler, const char* key) {
@@ -51,8 +51,8 @@ std::string image_name(const GltfObject& image, const std::optional<std::string>
   return name.empty() ? image.place() : fmt::format("'{}'", printable(name));
 }
 
-/// Returns the index of the texture's picture: the WebP or KTX2 picture if it has one, since its other picture, if any,
-/// is a fallback for programs that cannot read these.
+/// Returns the index of the texture's picture: the WebP or KTX2 picture if there is one, because any other picture is
+/// then a fallback for programs that cannot read these formats.
 Result<std::optional<std::size_t>> source_of(const GltfDocument& document, const GltfObject& texture) {
   for (const char* const name : {"EXT_texture_webp", "KHR_texture_basisu"}) {
     TRY_ASSIGN(const std::optional<GltfObject> extension, texture.extension(name));

@@ -20,10 +20,10 @@ class GltfTextures {
   GltfTextures(GltfDocument* document, GltfContext* context, std::vector<Texture>* ret_textures)
       : document_(document), context_(context), textures_(ret_textures) {}
 
-  /// Returns an index into Model::textures. A picture that is missing, damaged or of another format gives -1 and a note
-  /// that names it: the surface stays plain, since a visit without one texture is better than none.
-  /// Errors: kBadData if the references are wrong or the pixels exceed the budget.
-  /// Precondition: `index` came from GltfDocument::index().
+  /// Returns an index into Model::textures. Returns -1, with a note that names the picture, if the picture is missing,
+  /// damaged or of another format: the surface then stays plain, because a visit with one missing texture is better
+  /// than none. Errors: kBadData if the references are wrong or the pixels exceed the budget. Precondition: `index`
+  /// came from GltfDocument::index().
   Result<int> load(std::size_t index);
 
  private:
@@ -35,7 +35,7 @@ class GltfTextures {
   GltfContext* context_;
   std::vector<Texture>* textures_;
   std::map<std::size_t, int> loaded_;
-  /// Keyed by image and sampler, since many files have a texture for each use of a picture.
+  /// Keyed by image and sampler, because many files have a texture for each use of a picture.
   std::map<std::tuple<std::size_t, WrapMode, WrapMode, bool>, int> decoded_;
 };
 

@@ -20,8 +20,8 @@ Status read_texture_transform(const GltfObject& texture_info, TextureUse* ret_us
   const double s = std::sin(rotation.value_or(0.0));
   const std::array<double, 2> by = scale.value_or(std::array{1.0, 1.0});
   const std::array<double, 2> move = offset.value_or(std::array{0.0, 0.0});
-  // Counter-clockwise on the screen, with v counting down. Source: KHR_texture_transform and its test model, whose
-  // marker shows the sign.
+  // Rotates counter-clockwise on the screen, with v increasing downwards. Source: KHR_texture_transform and its test
+  // model, whose marker shows the sign.
   Eigen::Matrix<double, 2, 3> transform;
   transform << c * by[0], s * by[1], move[0], -s * by[0], c * by[1], move[1];
   ret_use->transform = transform.cast<float>();

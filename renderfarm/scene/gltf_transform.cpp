@@ -10,7 +10,7 @@ namespace {
 
 Result<Eigen::Affine3d> from_matrix(const GltfObject& node, const std::array<double, 16>& columns) {
   const Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix4d>(columns.data());
-  constexpr double kTolerance = 1e-6;  // Exporters write floats.
+  constexpr double kTolerance = 1e-6;  // Tolerates the rounding of exporters, which write floats.
   const Eigen::RowVector4d last_row(0.0, 0.0, 0.0, 1.0);
   if (!((matrix.row(3) - last_row).cwiseAbs().maxCoeff() <= kTolerance)) {
     return node.damaged("matrix", "its last row is not 0 0 0 1");

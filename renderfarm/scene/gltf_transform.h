@@ -15,11 +15,12 @@ namespace cyclorama::scene {
 /// transform is not affine.
 Result<Eigen::Affine3d> read_node_transform(const GltfObject& node, GltfNotes* notes);
 
-/// `rotation` is glTF's quaternion (x, y, z, w) of any length; returns nothing if it is zero.
+/// Returns the transform that scales, rotates and then translates; nothing if `rotation` is zero. `rotation` is glTF's
+/// quaternion (x, y, z, w), of any length.
 std::optional<Eigen::Affine3d> compose_transform(const Eigen::Vector3d& translation, const Eigen::Vector4d& rotation,
                                                  const Eigen::Vector3d& scale);
 
-/// True if the transform is finite and not so flat that it cannot be inverted, as a ray tracer requires of an instance.
+/// Returns true if the transform is finite and can be inverted, which a ray tracer requires of an instance.
 bool is_invertible(const Eigen::Affine3d& transform);
 
 }  // namespace cyclorama::scene

@@ -23,12 +23,12 @@ Status check_index_format(const GltfAccessor& indices) {
   if (!is_unsigned || indices.width != 1) {
     return gltf_damaged(indices.place, "indices are SCALAR and unsigned integers");
   }
-  // Readers disagree about the meaning of a stride here.
+  // A stride is refused, because readers disagree about its meaning for indices.
   if (indices.stride != bytes) return gltf_damaged(indices.place, "indices are packed, and these have a byteStride");
   return Done{};
 }
 
-/// Source: glTF 2.0, section 3.7.2.1.
+/// Connects vertices to the triangles of a strip or fan. Source: glTF 2.0, section 3.7.2.1.
 GltfTriangles connect(const std::vector<std::uint32_t>& order, GltfTopology topology) {
   GltfTriangles triangles;
   triangles.reserve(order.size());

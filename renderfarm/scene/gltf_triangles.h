@@ -19,16 +19,17 @@ using GltfTriangles = std::vector<std::array<std::uint32_t, 3>>;
 /// Values of glTF's `mode`; 0 to 3 are points and lines, which have no surface.
 enum class GltfTopology : std::uint8_t { kTriangles = 4, kStrip = 5, kFan = 6 };
 
-/// Without `indices` the vertices follow one another. Triangles of strips and fans that repeat a corner only connect
-/// parts and are left out. Errors: kBadData for an index outside `vertex_count`, a wrong type, or an exceeded budget.
+/// Returns the triangles of a primitive. Without `indices`, its vertices are used in order. In strips and fans,
+/// triangles that repeat a corner only connect parts and are left out. Errors: kBadData if an index is not below
+/// `vertex_count`, a type is wrong, or the budget is exceeded.
 Result<GltfTriangles> read_triangles(const std::optional<GltfAccessor>& indices, std::size_t vertex_count,
                                      GltfTopology topology, std::string_view place, GltfContext* context);
 
-/// Errors: kBadData for a corner outside `vertex_count`.
+/// Checks that all corners are below `vertex_count`. Errors: kBadData if one is not.
 Status check_corners(const GltfTriangles& triangles, std::size_t vertex_count, std::string_view place);
 
 /// Selects the vertices that the triangles use and renumbers the corners, for primitives that share one long vertex
-/// list. Selects all if there are at least as many corners as vertices. Precondition: check_corners().
+/// list. Selects all vertices if there are at least as many corners. Precondition: check_corners().
 GltfSelection select_vertices(GltfTriangles* triangles, std::size_t vertex_count);
 
 }  // namespace cyclorama::scene

@@ -55,7 +55,7 @@ std::optional<unsigned> hex_digit(char c) {
   return std::nullopt;
 }
 
-// Exporters often leave a stray '%' unescaped, so text that is not an escape is kept.
+// Decodes percent escapes. A '%' that does not begin an escape is kept, because exporters often leave it unescaped.
 std::string percent_decoded(std::string_view text) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -73,7 +73,7 @@ std::string percent_decoded(std::string_view text) {
   return decoded;
 }
 
-// True if `uri` begins with "name:", a scheme as in RFC 3986, before any slash.
+// Returns true if `uri` begins with a scheme (RFC 3986), such as "name:", before any slash.
 bool has_scheme(std::string_view uri) {
   const std::size_t end = uri.find_first_of(":/?#");
   return end != std::string_view::npos && uri[end] == ':';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// glTF's URIs: data inside the text or a file beside it, and nothing else.
+/// glTF's URIs: data inside the URI itself or files in the scene's folder, and nothing else.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@
 namespace cyclorama::scene {
 
 [[nodiscard]] bool is_data_uri(std::string_view uri);
-/// Upper bound of the bytes that decode_data_uri() returns and needs.
+/// Returns an upper bound of the memory that decode_data_uri() needs, including its result.
 [[nodiscard]] std::size_t data_uri_bytes(std::string_view uri);
-/// Decodes base64, or text with percent escapes. Errors: kBadData if damaged or not a data URI. Sources: RFC 2397, RFC
-/// 4648.
+/// Decodes base64, or text with percent escapes. Errors: kBadData if `uri` is damaged or not a data URI. Sources: RFC
+/// 2397, RFC 4648.
 Result<std::vector<std::byte>> decode_data_uri(std::string_view uri);
 
 /// Returns the file that a relative reference names, after percent-decoding. Errors: kBadData for another scheme, an

@@ -14,10 +14,10 @@ namespace {
 
 using Float3 = std::array<float, 3>;
 
-/// True if all values are finite and small enough that their squares are finite as well.
+/// Returns true if all values are finite and small enough that their squares are finite as well.
 template <std::size_t N>
 bool is_usable_number(const std::array<float, N>& values) {
-  bool usable = true;  // Without a branch, since most data is valid and this runs for every vertex.
+  bool usable = true;  // Computed without a branch, because most data is valid and this runs for every vertex.
   for (const float v : values) usable &= std::abs(v) < static_cast<float>(kMaxCoordinate);
   return usable;
 }
@@ -27,7 +27,7 @@ bool all_usable(const std::vector<std::array<float, N>>& values) {
   return std::all_of(values.begin(), values.end(), is_usable_number<N>);
 }
 
-/// Returns false and leaves the vector unchanged if it has no direction.
+/// Scales a vector to unit length. Returns false and leaves the vector unchanged if it has no direction.
 bool normalise(float* xyz) {
   const double length =
       std::sqrt(double{xyz[0]} * double{xyz[0]} + double{xyz[1]} * double{xyz[1]} + double{xyz[2]} * double{xyz[2]});
@@ -86,14 +86,14 @@ std::uint8_t alpha8(float alpha) {
   return static_cast<std::uint8_t>(std::clamp(std::isnan(alpha) ? 1.0f : alpha, 0.0f, 1.0f) * 255.0f + 0.5f);
 }
 
-/// sRGB codes of 16-bit linear light: fast, and fine enough that no code is off by more than rounding.
+/// Table of the sRGB codes of 16-bit linear light, for speed. Its codes differ from exact ones at most by rounding.
 class SrgbTable {
  public:
   SrgbTable() : codes_(kSteps + 1) {
     for (std::size_t i = 0; i <= kSteps; ++i) codes_[i] = linear_to_srgb8(static_cast<float>(i) / kSteps);
   }
   [[nodiscard]] std::uint8_t operator()(float linear) const {
-    if (!(linear > 0.0f)) return 0;  // NaN too.
+    if (!(linear > 0.0f)) return 0;  // Includes NaN.
     return codes_[static_cast<std::size_t>(std::min(linear, 1.0f) * kSteps + 0.5f)];
   }
 

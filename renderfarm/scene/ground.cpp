@@ -11,8 +11,8 @@ namespace cyclorama::scene {
 namespace {
 
 constexpr double kHeadroomM = 0.15;
-constexpr double kStepOver = 0.25;  // Part of the eye's height; lower obstacles do not stop a visitor.
-constexpr double kUneven = 0.4;     // Part of the eye's height; ground that lies at most this much lower is walkable.
+constexpr double kStepOver = 0.25;  // Share of the eye's height; lower obstacles do not stop a visitor.
+constexpr double kUneven = 0.4;     // Share of the eye's height; ground that is at most this much lower is walkable.
 constexpr double kWallDistanceM = 0.3;
 constexpr std::size_t kMaxCorners = 512;
 
@@ -26,7 +26,8 @@ bool has_ground(const SpaceGrid& grid, int x, int z, const Standing& standing) {
   return false;
 }
 
-/// Columns with ground and room for a body. Scans have small holes, so ground in a neighbouring column suffices.
+/// Returns the columns with ground and with room for a body. Scans have small holes, so ground in a neighbouring column
+/// suffices.
 CellSet free_columns(const SpaceGrid& grid, const Standing& standing) {
   CellSet ground(grid.cells().x(), grid.cells().z());
   for (int z = 0; z < ground.depth(); ++z) {
@@ -47,7 +48,7 @@ CellSet free_columns(const SpaceGrid& grid, const Standing& standing) {
   return free;
 }
 
-/// Columns whose neighbours up to `cells` away are free too.
+/// Returns the columns whose neighbours up to `cells` away are free too.
 CellSet eroded(const CellSet& free, int cells) {
   CellSet inner(free.width(), free.depth());
   for (int z = 0; z < free.depth(); ++z) {
@@ -78,7 +79,7 @@ std::vector<Eigen::Vector2d> walkable_outline(const SpaceGrid& grid, const Stand
   const Eigen::Vector3i start = grid.cell_of(standing.eye);
   const CellSet free = free_columns(grid, standing);
   if (!free.has(start.x(), start.z())) return {};
-  // Near a wall, the largest possible distance from walls is kept instead.
+  // Distance from walls, in cells. If the start is nearer to a wall, the greatest possible distance is used instead.
   int distance = std::max(1, static_cast<int>(std::ceil(kWallDistanceM / grid.cell_m())));
   CellSet roomy = eroded(free, distance);
   while (!roomy.has(start.x(), start.z())) roomy = eroded(free, --distance);
@@ -88,8 +89,8 @@ std::vector<Eigen::Vector2d> walkable_outline(const SpaceGrid& grid, const Stand
   for (const Eigen::Vector2i& corner : borders.front()) {
     corners.emplace_back(origin.x() + corner.x() * grid.cell_m(), origin.z() + corner.y() * grid.cell_m());
   }
-  // Replaces stairs of cells by slopes, unless that excludes the eye. Below half a cell of tolerance, the centre of the
-  // eye's cell stays inside.
+  // Replaces stairs of cells by slopes, unless that excludes the eye. With a tolerance of less than half a cell, the
+  // centre of the eye's cell stays inside.
   for (double tolerance = 0.75; tolerance < 64.0; tolerance *= 2.0) {
     const std::vector<Eigen::Vector2d> simple = simplified(corners, tolerance * grid.cell_m());
     if (simple.size() <= kMaxCorners && is_inside(simple, {standing.eye.x(), standing.eye.z()})) return simple;

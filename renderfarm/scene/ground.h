@@ -9,19 +9,20 @@
 
 namespace cyclorama::scene {
 
-/// Position of an eye, and the height of the ground below it.
+/// Position of an eye, and height of the ground below the eye.
 struct Standing {
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();
   double floor = 0.0;
   [[nodiscard]] double eye_height_m() const { return eye.y() - floor; }
 };
 
-/// True if the column of cells at (x, z) is free for a body standing on `floor`. Obstacles low enough to step over do
-/// not count.
+/// Returns true if a body that stands on `floor` fits into the column of cells at (x, z). Obstacles that are low enough
+/// to step over do not count.
 [[nodiscard]] bool body_fits(const SpaceGrid& grid, double x, double z, double floor, double eye_height_m);
 
-/// Outline of all ground that can be reached from the visitor's position, at some distance from obstacles: (x, z)
-/// corners, at most 512, the eye inside. Columns within it are not cut out. Empty if the visitor cannot take a step.
+/// Returns the outline of all ground that can be reached from the visitor's position, at some distance from obstacles:
+/// at most 512 (x, z) corners, with the eye inside. Obstacles inside the outline, such as pillars, are not cut out.
+/// Empty if the visitor cannot take a step.
 [[nodiscard]] std::vector<Eigen::Vector2d> walkable_outline(const SpaceGrid& grid, const Standing& standing);
 
 }  // namespace cyclorama::scene

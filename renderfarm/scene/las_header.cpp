@@ -40,7 +40,7 @@ Result<LasHeader> parse_las_header(std::span<const std::byte> file) {
   }
   const auto minor = little_endian<std::uint8_t>(file, kMinor);
   const auto format = little_endian<std::uint8_t>(file, kFormat);
-  // LAZ marks the format by its two highest bits.
+  // LAZ marks compression by the two highest bits of the format.
   if (format >= 0x40) {
     return bad_las(
         "its points are compressed (LAZ or COPC), which cannot be read on this system; convert it to LAS, "

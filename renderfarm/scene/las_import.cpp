@@ -15,10 +15,11 @@ namespace cyclorama::scene {
 namespace {
 
 constexpr std::size_t kIntensity = 12;
-constexpr std::size_t kFlags = 15;  ///< Formats 6 and up; below, it is the class with flags.
-constexpr std::size_t kClass = 16;  ///< Formats 6 and up.
+/// Offset of the flags in formats 6 and up; in lower formats this byte contains the class and the flags.
+constexpr std::size_t kFlags = 15;
+constexpr std::size_t kClass = 16;  ///< Offset of the class in formats 6 and up.
 
-/// Points by number. Borrows the file.
+/// Access to the points of a file by number. Borrows the file.
 class LasPoints {
  public:
   LasPoints(std::span<const std::byte> file, const LasHeader& header) : file_(file), header_(header) {}
@@ -38,7 +39,7 @@ class LasPoints {
     return {little_endian<std::uint16_t>(file_, at), little_endian<std::uint16_t>(file_, at + 2),
             little_endian<std::uint16_t>(file_, at + 4)};
   }
-  /// True for points that their scanner or an editor marked as wrong: withheld ones, and noise (classes 7 and 18).
+  /// Returns true if the scanner or an editor marked the point as wrong: as withheld, or as noise (classes 7 and 18).
   [[nodiscard]] bool is_marked_wrong(std::uint64_t point) const {
     const std::size_t at = offset_of(point);
     const auto flags = little_endian<std::uint8_t>(file_, at + kFlags);
@@ -56,7 +57,7 @@ class LasPoints {
   const LasHeader& header_;
 };
 
-/// Chooses the colour of points: the file's colours, else its intensity, else white.
+/// Colours of the points: the file's colours, else intensities, else white.
 class LasColours {
  public:
   LasColours(const LasPoints& points, const LasHeader& header) : points_(points) {

@@ -10,7 +10,7 @@ namespace cyclorama::scene {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie in the file");
 
-/// Returns the little-endian number at `offset`. Precondition: it lies in `bytes`.
+/// Returns the little-endian number at `offset`. Precondition: the number is inside `bytes`.
 template <typename Number>
 [[nodiscard]] Number little_endian(std::span<const std::byte> bytes, std::size_t offset) {
   Number value{};

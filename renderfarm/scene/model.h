@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Content of one imported file, in that file's own axes and units.
+/// Content of one imported file, in the axes and units of the file.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -18,15 +18,15 @@ namespace cyclorama::scene {
 
 enum class WrapMode : std::uint8_t { kRepeat, kMirror, kClamp };
 
-/// 8-bit RGBA as stored in the file; its use decides whether RGB is sRGB-coded.
+/// 8-bit RGBA as stored in the file; the use of the texture decides whether RGB is sRGB-coded.
 struct Texture {
   RgbaImage pixels;
   WrapMode wrap_u = WrapMode::kRepeat;
   WrapMode wrap_v = WrapMode::kRepeat;
-  bool nearest = false;  ///< Sample the nearest texel instead of interpolating.
+  bool nearest = false;  ///< The nearest texel is sampled, without interpolation.
 };
 
-/// A material's use of a texture. (u, v)' = transform * (u, v, 1); v counts down from the first row.
+/// A material's use of a texture. (u, v)' = transform * (u, v, 1); v increases downwards from the first row.
 struct TextureUse {
   int texture = -1;  ///< Index into Model::textures; -1 for none.
   int texcoord = 0;  ///< The mesh's texture coordinate set, 0 or 1.
@@ -35,8 +35,9 @@ struct TextureUse {
 
 enum class AlphaMode : std::uint8_t { kOpaque, kMask, kBlend };
 
-/// glTF 2.0's metallic-roughness material; factors are linear. Source: glTF 2.0, section 3.9, and the ratified
-/// extensions KHR_materials_ior, _specular, _clearcoat, _transmission, _unlit and _volume, which also give the defaults.
+/// A metallic-roughness material of glTF 2.0; factors are linear. Source: glTF 2.0, section 3.9, and the ratified
+/// extensions KHR_materials_ior, _specular, _clearcoat, _transmission, _unlit and _volume, which also give the
+/// defaults.
 struct Material {
   std::string name;
   Eigen::Vector4f base_colour = Eigen::Vector4f::Ones();
@@ -51,8 +52,8 @@ struct Material {
   AlphaMode alpha_mode = AlphaMode::kOpaque;
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
-  /// Shown as its base colour, whatever light there is: a photograph that holds its light already. It reflects nothing
-  /// and emits its base colour as radiance, but is no lamp.
+  /// The surface shows its base colour whatever light there is, as for a photograph, which already contains light. It
+  /// reflects nothing and emits its base colour as radiance, but is not a lamp.
   bool unlit = false;
 
   float ior = 1.5f;                                           ///< Index of refraction, from 1 to kMaxIor.
@@ -65,20 +66,20 @@ struct Material {
   float clearcoat_roughness = 0.0f;
   TextureUse clearcoat_texture;            ///< Linear, in R.
   TextureUse clearcoat_roughness_texture;  ///< Linear, in G.
-  TextureUse clearcoat_normal_texture;     ///< Linear; tangent space. Without one the coat is smooth.
+  TextureUse clearcoat_normal_texture;     ///< Linear; tangent space. Without this texture, the coat is smooth.
   float clearcoat_normal_scale = 1.0f;
 
-  float transmission = 0.0f;        ///< Part of the light entering a dielectric that is transmitted.
+  float transmission = 0.0f;        ///< Share of the light that enters a dielectric and is transmitted.
   TextureUse transmission_texture;  ///< Linear, in R.
-  /// Zero if the mesh is a thin sheet; above zero it encloses a volume, whose thickness is the mesh's own.
+  /// Zero if the mesh is a thin sheet; if above zero, the mesh encloses a volume, and the value itself is not used.
   float thickness = 0.0f;
   Eigen::Vector3f attenuation_colour = Eigen::Vector3f::Ones();  ///< Colour of white light after attenuation_distance.
   float attenuation_distance = 0.0f;                             ///< In the scene's metres; 0 disables absorption.
 };
 
-inline constexpr float kMaxIor = 1e6f;  ///< Reflects all light; glTF writes 0.
+inline constexpr float kMaxIor = 1e6f;  ///< At this value all light is reflected; glTF writes it as 0.
 
-/// Every texture of a Material.
+/// Returns pointers to all texture members of Material.
 [[nodiscard]] constexpr auto texture_places() {
   return std::array{&Material::base_colour_texture,      &Material::metallic_roughness_texture,
                     &Material::normal_texture,           &Material::emissive_texture,
@@ -87,8 +88,8 @@ inline constexpr float kMaxIor = 1e6f;  ///< Reflects all light; glTF writes 0.
                     &Material::clearcoat_normal_texture, &Material::transmission_texture};
 }
 
-/// Indexed triangles with one material. All vectors but positions may be empty; otherwise they have one entry per
-/// vertex.
+/// Indexed triangles with one material. All vectors of vertex data except `positions` may be empty; otherwise they have
+/// one entry per vertex.
 struct Mesh {
   std::string name;
   /// Added in double to every position, so that large coordinates keep their precision.
@@ -108,7 +109,7 @@ struct Instance {
   Eigen::Affine3d T_model_mesh = Eigen::Affine3d::Identity();
 };
 
-/// A sphere is a point light with a radius.
+/// Shape of a light. A sphere is a point light with a radius.
 enum class LightKind : std::uint8_t { kPoint, kSpot, kDirectional, kRectangle, kDisk };
 
 /// KHR_lights_punctual with a size for soft shadows, and area lights. A rectangle or disk has its centre at `position`
@@ -117,31 +118,33 @@ struct Light {
   std::string name;
   LightKind kind = LightKind::kPoint;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  /// Main direction of emission; unit length. Unused by points.
+  /// Main direction of emission; unit length. Unused for point lights.
   Eigen::Vector3d direction = -Eigen::Vector3d::UnitY();
-  /// Rectangle: along its width; unit length, not parallel to `direction`.
+  /// Direction of a rectangle's width; unit length, not parallel to `direction`.
   Eigen::Vector3d across = Eigen::Vector3d::UnitX();
-  /// Linear colour times candela (point, spot), lux (directional), or nits: the radiance (rectangle, disk).
+  /// Linear colour times candela (point, spot), lux (directional) or nits (rectangle, disk); nits are the unit of
+  /// radiance.
   Eigen::Vector3f intensity = Eigen::Vector3f::Ones();
   Eigen::Vector2d size_m = Eigen::Vector2d::Zero();  ///< Rectangle: width and height.
   /// Radius of the sphere or disk; for directional lights, tangent of the angular radius.
   double radius_m = 0.0;
-  double range_m = 0.0;         ///< Distance at which the light has faded to nothing; 0 is unlimited.
+  double range_m = 0.0;         ///< Distance at which the light has faded to zero; 0 for no limit.
   double inner_cone_rad = 0.0;  ///< Spot: full intensity inside the inner cone, none outside the outer cone.
   double outer_cone_rad = 0.7853981633974483;
-  /// True if rays hit it: the eye and mirrors see it, and it casts shadows. Never for directional lights or radius 0.
+  /// True if rays hit the light: the eye and mirrors see it, and it casts shadows. Never true for directional lights or
+  /// radius 0.
   bool visible = false;
 };
 
-/// True for rectangle and disk.
+/// Returns true for a rectangle or a disk.
 [[nodiscard]] inline bool is_flat(LightKind kind) { return kind == LightKind::kRectangle || kind == LightKind::kDisk; }
-/// Area of a rectangle or disk in square metres; 0 for others.
+/// Returns the area of a rectangle or disk in square metres; 0 for other lights.
 [[nodiscard]] inline double area_of(const Light& light) {
   if (light.kind == LightKind::kRectangle) return light.size_m.prod();
   return light.kind == LightKind::kDisk ? std::numbers::pi * light.radius_m * light.radius_m : 0.0;
 }
 
-/// A camera placed by the file; scenes offer them as tour stops.
+/// A camera in the file; scenes offer cameras as tour stops.
 struct Viewpoint {
   std::string name;
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();
@@ -163,7 +166,7 @@ struct Model {
   std::vector<std::string> notes;
 };
 
-/// Limits of one import; a file that exceeds them is refused before memory is taken.
+/// Limits of one import; a file that exceeds them is refused before memory is allocated.
 struct ImportLimits {
   std::size_t memory_bytes = std::size_t{16} << 30;
   std::size_t texture_px = std::size_t{16384} * 16384;  ///< Pixels of one texture.
@@ -176,11 +179,11 @@ struct ImportLimits {
 Result<Model> import_gltf(const std::filesystem::path& path, const ImportLimits& limits);
 /// PLY, ASCII or binary of either byte order.
 Result<Model> import_ply(const std::filesystem::path& path, const ImportLimits& limits);
-/// LAS 1.0 to 1.4 without compression. Its z axis points up; it is turned so that y does.
+/// LAS 1.0 to 1.4 without compression. The file's z axis points up; the model is rotated so that y points up.
 Result<Model> import_las(const std::filesystem::path& path, const ImportLimits& limits);
-/// E57: all scans of the file, in the file's own frame, turned like those of LAS.
+/// E57: all scans of the file, in the file's frame, rotated as in import_las().
 Result<Model> import_e57(const std::filesystem::path& path, const ImportLimits& limits);
-/// SPZ: Gaussian splats. PLY files may hold splats as well.
+/// SPZ: Gaussian splats. PLY files may contain splats as well.
 Result<Model> import_spz(const std::filesystem::path& path, const ImportLimits& limits);
 /// Wavefront OBJ with its MTL files.
 Result<Model> import_obj(const std::filesystem::path& path, const ImportLimits& limits);

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kMtlLimitBytes = std::size_t{64} << 20;
 constexpr std::size_t kNotesLimit = 32;
-constexpr int kNamesLimit = 32;  // Maximum file names in one mtllib.
+constexpr int kNamesLimit = 32;  // Maximum number of file names in one mtllib.
 constexpr float kPlainRoughness = 0.9f;
 
 Material plain(std::string name) {
@@ -28,7 +28,7 @@ Material plain(std::string name) {
   material.name = std::move(name);
   material.metallic = 0.0f;
   material.roughness = kPlainRoughness;
-  material.double_sided = true;  // OBJ cannot express it, and closed and open meshes are both common.
+  material.double_sided = true;  // OBJ cannot express this, and open meshes are common.
   return material;
 }
 
@@ -38,7 +38,7 @@ std::optional<float> number(std::string_view* rest, float min, float max) {
   return std::clamp(static_cast<float>(std::clamp(*value, -1e30, 1e30)), min, max);
 }
 
-/// Reads a colour; one number stands for all three.
+/// Reads a colour; a single number stands for all three components.
 std::optional<Eigen::Vector3f> colour(std::string_view rest, float max) {
   Eigen::Vector3f rgb;
   for (int i = 0; i < 3; ++i) {
@@ -96,7 +96,7 @@ bool MtlLibrary::read_one(std::string_view name) {
 }
 
 void MtlLibrary::read(std::string_view names) {
-  // The rest of the line is one name with blanks, or several names: the existing one is taken.
+  // The rest of the line is one name that may contain blanks, if such a file exists; otherwise it is several names.
   if (read_one(names)) return;
   for (int i = 0; i < kNamesLimit; ++i) {
     const std::string_view name = next_word(&names);

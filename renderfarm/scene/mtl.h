@@ -11,7 +11,7 @@
 ///   norm         normal map
 ///   map_d        alpha mask, if it is the same picture as map_Kd
 ///
-/// Other statements are noted.
+/// Other statements are ignored with a note.
 #pragma once
 
 #include <filesystem>
@@ -27,17 +27,18 @@ namespace cyclorama::scene {
 /// Materials of one OBJ file and their pictures. Thread-bound.
 class MtlLibrary {
  public:
-  /// Files are looked for in `folder` and below. A name that leads out of it, such as an absolute path of another
-  /// machine, is looked for by its last part.
+  /// Files are searched in `folder` and below. Of a name that leads outside, such as an absolute path of another
+  /// machine, only the last part is used.
   MtlLibrary(std::filesystem::path folder, const ImportLimits& limits);
 
-  /// Reads the files in `names`, the text after "mtllib". Notes a file that is absent or wrong; the model is shown
-  /// without it.
+  /// Reads the files in `names`, the text after "mtllib". A file that is missing or invalid is noted, and the model is
+  /// shown without it.
   void read(std::string_view names);
-  /// Returns the model's index of the material called `name`, or of the plain one after a note.
+  /// Returns the index in the model of the material called `name`; if there is none, that of the plain material, with a
+  /// note.
   int use(std::string_view name);
 
-  /// Decodes the pictures of the used materials and moves everything into the model.
+  /// Decodes the pictures of the used materials, and moves materials, textures and notes into the model.
   void finish(Model* model) &&;
 
  private:
@@ -48,7 +49,7 @@ class MtlLibrary {
     std::string normal_file;
     std::string cut_out_file;
   };
-  /// Returns false if there is no such file.
+  /// Reads one file; returns false if there is no such file.
   bool read_one(std::string_view name);
   void parse(std::string_view text, const std::string& name);
   void read_statement(std::string_view keyword, std::string_view rest, Entry* entry);
@@ -58,9 +59,9 @@ class MtlLibrary {
   std::filesystem::path folder_;
   ImportLimits limits_;
   std::map<std::string, Entry, std::less<>> known_;
-  std::map<std::string, int, std::less<>> used_;  ///< Name to index in in_use_.
+  std::map<std::string, int, std::less<>> used_;  ///< Maps names to indices in `in_use_`.
   std::vector<Entry> in_use_;
-  std::map<std::string, int> textures_;  ///< Keyed by file name; -1 if it cannot be read.
+  std::map<std::string, int> textures_;  ///< Texture index by file name; -1 if the file cannot be read.
   std::size_t texture_bytes_ = 0;
   std::vector<std::string> notes_;
 };

@@ -1,7 +1,6 @@
-// SPDX-License-Identifier: Apache-2.0
-// Reasons for our own reader instead of tinyobjloader (2.0rc10, tried on the same files): it refuses "f 1// 2// 3//",
-// reads UTF-16 as an empty model, keeps positions in float as built by Debian, drops triangles of concave polygons, and
-// takes 1.6 times our time and twice our memory for a million triangles.
+// SPDX-License-Identifier: Apache-2.0 This reader replaces tinyobjloader (2.0rc10), which, on the same files, refuses
+// "f 1// 2// 3//", reads UTF-16 as an empty model, keeps positions in float as built by Debian, drops triangles of
+// concave polygons, and needs 1.6 times the time and twice the memory of this reader for a million triangles.
 #include <fmt/format.h>
 
 #include <array>
@@ -35,7 +34,7 @@ Error bad_line(std::size_t line, std::string_view what) {
   return Error(ErrorCode::kBadData, fmt::format("line {}: {}", line, what));
 }
 
-/// Reads as many numbers as there are, at most `values.size()`; returns nothing if a word is not a number at all.
+/// Reads up to `values.size()` numbers and returns their count; nothing if a word is not a number.
 std::optional<std::size_t> read_numbers(std::string_view rest, std::span<double> values, Odd* odd) {
   std::size_t count = 0;
   while (count < values.size()) {
@@ -50,8 +49,8 @@ std::optional<std::size_t> read_numbers(std::string_view rest, std::span<double>
   return count;
 }
 
-/// First pass: reads the lists that faces refer to, and the material files, which some files name last. Colours after a position are 0 to 1, as MeshLab and ZBrush write
-/// them.
+/// First pass: reads the lists to which faces refer, and the material files, which some OBJ files name only at their
+/// end. Colours after a position are in [0, 1], as MeshLab and ZBrush write them.
 Status read_lists(std::string_view text, std::size_t limit_bytes, ObjLists* lists, MtlLibrary* materials, Odd* odd) {
   ObjStatements statements(text);
   std::string_view keyword;
@@ -85,14 +84,14 @@ Status read_lists(std::string_view text, std::size_t limit_bytes, ObjLists* list
   return Done{};
 }
 
-/// Length of each list so far; negative indices count back from there.
+/// Length of each list so far; negative indices count back from its end.
 struct Counts {
   std::size_t positions = 0;
   std::size_t texcoords = 0;
   std::size_t normals = 0;
 };
 
-/// Reads one index of "7/-1/3"; kNone if it is left out. Precondition: the list is not empty.
+/// Reads one index of a corner such as "7/-1/3"; kNone if `word` is empty. Precondition: the list is not empty.
 Result<std::uint32_t> index_of(std::string_view word, std::size_t so_far, std::size_t in_all, const char* what) {
   if (word.empty()) return ObjCorner::kNone;
   if (const auto index = obj_index(word, so_far, in_all)) return *index;
@@ -160,7 +159,8 @@ class FaceReader {
     return corner;
   }
 
-  /// Some exporters write the numbers of texture coordinates and normals, but not the lists.
+  /// Reads an index; kNone if the list is empty, because some exporters write indices of texture coordinates and
+  /// normals without the lists.
   Result<std::uint32_t> optional_index_of(std::string_view word, std::size_t so_far, std::size_t in_all,
                                           const char* what) const {
     if (in_all > 0) return index_of(word, so_far, in_all, what);

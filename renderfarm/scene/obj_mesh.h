@@ -12,7 +12,7 @@
 
 namespace cyclorama::scene {
 
-/// Zero-based indices of a face's corner into the lists.
+/// Indices, from 0, of a face's corner in the lists of an OBJ file.
 struct ObjCorner {
   static constexpr std::uint32_t kNone = 0xffffffff;
   std::uint32_t position = 0;
@@ -21,11 +21,11 @@ struct ObjCorner {
   friend bool operator==(const ObjCorner&, const ObjCorner&) = default;
 };
 
-/// The lists that an OBJ file's faces refer to.
+/// The lists to which the faces of an OBJ file refer.
 struct ObjLists {
-  std::vector<Eigen::Vector3d> positions;            ///< In double; made relative to an origin when meshes are made.
+  std::vector<Eigen::Vector3d> positions;            ///< In double; ObjMesh::finish() makes them relative to an origin.
   std::vector<std::array<std::uint8_t, 3>> colours;  ///< Either empty or one per position.
-  std::vector<std::array<float, 2>> texcoords;       ///< v counts down.
+  std::vector<std::array<float, 2>> texcoords;       ///< v increases downwards.
   std::vector<std::array<float, 3>> normals;
 
   [[nodiscard]] std::size_t memory_bytes() const;
@@ -36,10 +36,10 @@ class ObjMesh {
  public:
   explicit ObjMesh(int material) : material_(material) {}
 
-  /// Precondition: all indices of the corners are in `lists`, which finish() receives.
+  /// Adds a triangle. Precondition: all indices of its corners are inside the lists that finish() receives.
   void add_triangle(const std::array<ObjCorner, 3>& corners);
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
-  /// Memory of this object and of the Mesh made from it.
+  /// Returns the memory of this object and of the Mesh that finish() will return.
   [[nodiscard]] std::size_t memory_bytes() const;
   [[nodiscard]] Mesh finish(const ObjLists& lists) &&;
 
@@ -49,7 +49,8 @@ class ObjMesh {
 
   int material_;
   std::vector<ObjCorner> vertices_;
-  /// Open addressing: a power of two, at most two thirds full; vertex + 1, or 0 if free.
+  /// Hash table with open addressing, whose size is a power of two and which is at most two thirds full. An entry is
+  /// vertex + 1, or 0 if it is free.
   std::vector<std::uint32_t> slots_;
   std::vector<std::array<std::uint32_t, 3>> triangles_;
 };

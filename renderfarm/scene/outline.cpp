@@ -13,8 +13,8 @@ double distance_to_line(const Eigen::Vector2d& p, const Eigen::Vector2d& a, cons
   return (p - a - t * edge).norm();
 }
 
-// Directions +x, +z, -x, -z. A border step from a corner runs between a cell in the set (kIn) and one outside it
-// (kOut):
+// Directions +x, +z, -x, -z. A step of a border from a corner runs between a cell in the set (kIn) and a cell outside
+// it (kOut).
 constexpr std::array<std::array<int, 2>, 4> kStep = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 constexpr std::array<std::array<int, 2>, 4> kIn = {{{0, 0}, {-1, 0}, {-1, -1}, {0, -1}}};
 constexpr std::array<std::array<int, 2>, 4> kOut = {{{0, -1}, {0, 0}, {-1, 0}, {-1, -1}}};
@@ -60,7 +60,7 @@ std::vector<std::vector<Eigen::Vector2i>> borders_of(const CellSet& set) {
         if (direction == 0) walked.add(at.x(), at.y());
         corners.push_back(at);
         at += Eigen::Vector2i(kStep[direction][0], kStep[direction][1]);
-        // Turning around the same cell first keeps cells apart that touch only at a corner.
+        // Turning around the current cell first separates cells that touch only at a corner.
         for (const std::size_t turn : {std::size_t{1}, std::size_t{0}, std::size_t{3}}) {
           if (!is_edge(at, (direction + turn) % 4)) continue;
           direction = (direction + turn) % 4;

@@ -15,7 +15,8 @@ namespace {
 
 constexpr int kDirections = Place::kDirections;
 constexpr int kHalfPicture = 5;  ///< The picture spans 11 of 32 directions: 124 degrees.
-/// Tangents of the picture's rows, as on a wall, and of the ground before the visitor's feet.
+/// Tangents of the elevation of the picture's rows, as on a wall, and of the direction to the ground before the
+/// visitor's feet.
 constexpr std::array<double, 5> kRows = {0.3, 0.15, 0.0, -0.15, -0.3};
 constexpr double kFeet = -0.6;
 constexpr double kStepM = 0.8;
@@ -24,10 +25,12 @@ constexpr std::size_t kPictured = 10;  ///< Candidates of each kind whose pictur
 
 double heading_of(int direction) { return 2.0 * std::numbers::pi * direction / kDirections; }
 
-/// Prefers open positions, and long views among these; used for a first selection, before a picture is traced.
+/// Returns a score that prefers open positions, and long views among these, for a first selection before pictures are
+/// traced.
 double roominess(const Place& place) { return std::min(place.nearest_m, 3.0) + 0.1 * std::min(place.mean_m, kFarM); }
 
-/// Returns the eye, or a point above it if that is in a cell of the ground: cells of a large site are higher than people.
+/// Returns the eye, or a point above it if the eye is in a ground cell, because cells of a large site are higher than
+/// people.
 Eigen::Vector3d eye_above_ground(const SpaceGrid& grid, const Standing& standing) {
   const Eigen::Vector3i cell = grid.cell_of(standing.eye);
   if (!grid.is_solid(cell) || grid.is_solid(cell + Eigen::Vector3i::UnitY())) return standing.eye;
@@ -58,7 +61,7 @@ Column column_of(const SpaceGrid& grid, const Eigen::Vector3d& eye, int directio
 bool is_ground_ahead(const SpaceGrid& grid, const Standing& standing, int direction) {
   const Eigen::Vector3d ray = (ahead(heading_of(direction)) + kFeet * Eigen::Vector3d::UnitY()).normalized();
   const SpaceGrid::Ray hit = grid.cast(standing.eye, ray);
-  // Reaches ground that is at most a step below the visitor's.
+  // Finds ground that is at most half a step's length below the visitor's.
   return hit.hits && hit.length_m < std::hypot(1.0, 1.0 / kFeet) * (standing.eye_height_m() + 0.5 * kStepM);
 }
 
@@ -79,7 +82,8 @@ void for_each_place(const SpaceGrid& grid, const Use& use) {
   }
 }
 
-/// Candidates spread over the scene: the roomiest of each block of columns, some on each of its floors.
+/// Returns the roomiest places, spread over the scene: at most one from each block of cells and kMaxOfFloor from each
+/// floor.
 std::vector<Place> roomiest(std::vector<Place> places, const SpaceGrid& grid) {
   std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return roominess(a) > roominess(b); });
   const Eigen::Array3i block_cells(24, 4, 24);
@@ -145,7 +149,7 @@ Place look_around(const SpaceGrid& grid, const Standing& standing) {
   }
   double best_view = 0.0;
   for (int i = 0; i < kDirections; ++i) {
-    double view = 0.0;  // Spans some 50 degrees, so that a gap between two objects does not count as a view.
+    double view = 0.0;  // Spans about 50 degrees, so that a gap between two objects does not count as a view.
     for (int k = -2; k <= 2; ++k) view += lengths[static_cast<std::size_t>((i + k + kDirections) % kDirections)];
     if (view > best_view) {
       best_view = view;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Readers of the values of a PLY body in file order. Both cursors have the same interface, so that rows are read by
-/// one template, compiled for each encoding, without a virtual call per value. Thread-bound; they borrow the file's
+/// Cursors that read the values of a PLY body in file order. Both have the same interface, so one template, compiled
+/// for each encoding, reads rows without a virtual call per value. Cursors are thread-bound and borrow the file's
 /// bytes.
 #pragma once
 
@@ -25,7 +25,7 @@ class PlyBinaryCursor {
   PlyBinaryCursor(std::span<const std::byte> file, const PlyHeader& header)
       : at_(file.data() + header.body_offset), end_(file.data() + file.size()) {}
 
-  /// Returns false at the end of the file.
+  /// Reads one value; returns false at the end of the file.
   bool read(PlyType type, double* ret_value) {
     switch (type) {
       case PlyType::kInt8:
@@ -47,10 +47,10 @@ class PlyBinaryCursor {
     }
     return false;
   }
-  /// begin_row() and end_row() enclose each row; they return false if it is incomplete.
+  /// begin_row() and end_row() are called before and after each row; they return false if the row is incomplete.
   bool begin_row() { return true; }
   bool end_row() { return true; }
-  /// Reason why read(), begin_row() or end_row() returned false.
+  /// Returns the reason why read(), begin_row() or end_row() returned false.
   [[nodiscard]] std::string what() const { return "the file ends there: it is cut short; copy it again"; }
   [[nodiscard]] std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
 

@@ -111,8 +111,8 @@ struct HeaderReader {
     return Done{};
   }
 
-  /// True if the words after a misspelt keyword may be those of a property or an element: skipping such a line would
-  /// give each later value another meaning.
+  /// Returns true if the words after a misspelt keyword may be those of a property or an element. If such a line were
+  /// skipped, all later values would have another meaning.
   static bool may_declare(std::string_view rest) {
     std::string_view last;
     for (std::string_view word = next_word(&rest); !word.empty(); word = next_word(&rest)) {
@@ -146,7 +146,7 @@ Status check_counts(const PlyHeader& header, std::size_t body_bytes) {
       return Error(ErrorCode::kBadData, fmt::format("the PLY element '{}' has no properties", printable(element.name)));
     }
     const std::size_t min = element.min_row_bytes(header.encoding);
-    // + 1: the last line may lack its line end.
+    // One byte is added because the last line may lack its line end.
     if (element.count > left / min + 1 || element.count * min > left + 1) {
       return Error(
           ErrorCode::kBadData,

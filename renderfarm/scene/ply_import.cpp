@@ -25,8 +25,8 @@ Error bad_row(const Cursor& cursor, const PlyElement& element, std::uint64_t row
   return Error(ErrorCode::kBadData, fmt::format("row {} of '{}': {}", row, printable(element.name), cursor.what()));
 }
 
-/// Reads one list into `ret_values`, reused from row to row, or skips it if that is null. Returns false if the file
-/// ends inside the list.
+/// Reads one list into `ret_values`, which is reused from row to row, or skips the list if `ret_values` is null.
+/// Returns false if the file ends inside the list.
 template <typename Cursor>
 bool read_list(Cursor* cursor, const PlyProperty& property, std::vector<double>* ret_values) {
   if (ret_values != nullptr) ret_values->clear();
@@ -57,7 +57,8 @@ Status read_vertices(Cursor* cursor, const PlyElement& element, PlyMesh* mesh) {
   return Done{};
 }
 
-/// The properties of faces and strips that are used; the number of properties where an element lacks one.
+/// Indices of the properties of faces and strips that are used; an index is the number of properties if the element
+/// lacks that property.
 struct FaceColumns {
   explicit FaceColumns(const PlyElement& element)
       : corners(column_of(element, {"vertex_indices", "vertex_index"}, true)),
@@ -120,7 +121,8 @@ Status read_body(Cursor cursor, const PlyHeader& header, PlyMesh* mesh) {
   return Done{};
 }
 
-/// Loads the textures of those materials whose meshes have texture coordinates; what cannot be read is a note.
+/// Loads the textures of materials whose meshes have texture coordinates; a note names each texture that cannot be
+/// read.
 void add_textures(const PlyHeader& header, const std::filesystem::path& folder, const ImportLimits& limits,
                   Model* model) {
   if (header.texture_files.empty()) return;

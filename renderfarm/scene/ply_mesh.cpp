@@ -61,7 +61,7 @@ PlyVertexLayout::PlyVertexLayout(const PlyElement& vertex) {
     for (const RoleName& known : kRoleNames) {
       if (!property.count_type && known.name == property.name) role = known.role;
     }
-    if (role != kNoRole && has_[role]) role = kNoRole;  // The first of two properties with the same role wins.
+    if (role != kNoRole && has_[role]) role = kNoRole;  // Of two properties with the same role, the first is used.
     roles_.push_back(role);
     has_[role] = true;
     colour_scale_[role] = scale_of_colour(property.type);
@@ -184,7 +184,8 @@ Status PlyMesh::add_polygon(const PlyFace& face) {
   } else {
     corners_.clear();
     for (const std::uint32_t index : indices_) {
-      // If faces precede vertices, no positions are known yet: all are equal, and the polygon is cut as a fan.
+      // If faces precede vertices, positions are not known yet; they are taken as equal, so that the polygon is divided
+      // as a fan.
       const bool known = index < mesh_.positions.size();
       const auto& p = known ? mesh_.positions[index] : std::array<float, 3>{};
       corners_.push_back(Eigen::Vector3f(p[0], p[1], p[2]).cast<double>());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A mesh that grows row by row as a PLY file is read; keeps Model's invariants.
+/// A mesh that is built row by row while a PLY file is read; it keeps Model's invariants.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,7 +38,7 @@ class PlyVertexLayout {
   bool is_double_ = false;
 };
 
-/// One row of the element 'face'.
+/// A row of the element 'face'.
 struct PlyFace {
   std::vector<double> corners;    ///< Numbers of vertices.
   std::vector<double> texcoords;  ///< u and v of each corner, or empty.
@@ -51,22 +51,22 @@ class PlyMesh {
   /// `limit_bytes` is the maximum memory of the mesh.
   explicit PlyMesh(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
 
-  /// Called first; fixes the number of vertices, since faces may precede them in the file. Errors: kBadData unless
-  /// exactly one element has positions, or if the limit is exceeded.
+  /// Sets the number of vertices; must be called first, because faces may precede vertices in the file. Errors:
+  /// kBadData unless there is exactly one element 'vertex' and it has positions, or if the limit is exceeded.
   Status begin(const PlyHeader& header);
   void add_vertex(const PlyVertexLayout& layout, const std::array<double, kNoRole + 1>& row);
 
-  /// Errors: kBadData if the limit is exceeded.
+  /// Reserves memory for `count` more triangles. Errors: kBadData if the limit is exceeded.
   Status reserve_triangles(std::uint64_t count);
-  /// Takes a face as the file gives it. Errors: kBadData if a corner is not the number of a vertex, the texture is none of
-  /// the header's, or the limit is exceeded.
+  /// Adds a face as the file states it. Errors: kBadData if a corner is not the number of a vertex, the texture is not
+  /// in the header, or the limit is exceeded.
   Status add_polygon(const PlyFace& face);
-  /// Takes a strip, or several separated by -1. Errors as add_polygon().
+  /// Adds a strip, or several that are separated by -1. Errors: those of add_polygon().
   Status add_strip(std::span<const double> corners);
 
-  /// Returns the finished model; points without any face become small squares (point_squares.h). A material with texture
-  /// coordinates has a texture of the same number in PlyHeader::texture_files, which is not loaded yet. Errors: kBadData
-  /// if nothing is left.
+  /// Returns the finished model; if the file has no faces, its points become small squares (point_squares.h). If meshes
+  /// have texture coordinates, the texture of material n is number n of PlyHeader::texture_files; it is not loaded yet.
+  /// Errors: kBadData if nothing is left.
   Result<Model> finish() &&;
 
  private:
@@ -81,10 +81,10 @@ class PlyMesh {
   Mesh mesh_;
   bool has_origin_ = false;
   bool has_alpha_ = false;
-  bool has_faces_ = false;         ///< The file has faces or strips, usable or not.
-  std::vector<bool> is_unusable_;  ///< One entry per vertex; empty while all are usable.
+  bool has_faces_ = false;         ///< The file has faces or strips, whether usable or not.
+  std::vector<bool> is_unusable_;  ///< One entry per vertex; empty while all vertices are usable.
   std::size_t texture_count_ = 0;
-  PlyTexcoords texcoords_;  ///< Without entries unless faces have texture coordinates.
+  PlyTexcoords texcoords_;  ///< Empty unless faces have texture coordinates.
   std::uint64_t polygons_without_area_ = 0;
   std::vector<std::uint32_t> indices_;  // Scratch, reused from row to row.
   std::vector<Eigen::Vector3d> corners_;

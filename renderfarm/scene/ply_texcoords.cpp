@@ -9,11 +9,11 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffff'ffff;
 
-/// The copies of each old vertex, chained: a vertex at a seam has one for each of its texture coordinates.
+/// Linked lists of the copies of each old vertex: a vertex at a seam has one copy for each of its texture coordinates.
 struct Copies {
   explicit Copies(std::size_t vertices) : first(vertices, kNone) {}
   std::vector<std::uint32_t> first;  ///< For each old vertex, the number of its first copy.
-  std::vector<std::uint32_t> next;   ///< For each copy, the next one of the same vertex.
+  std::vector<std::uint32_t> next;   ///< For each copy, the next copy of the same vertex.
 };
 
 void copy_vertex(const Mesh& from, std::uint32_t vertex, Mesh* to) {

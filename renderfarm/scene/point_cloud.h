@@ -15,11 +15,12 @@
 
 namespace cyclorama::scene {
 
-/// The material of a file without any: matte, and seen from behind as well, since scans are often open there.
+/// Returns the material for files without materials: matte and double-sided, because scans are often open at the back.
 [[nodiscard]] Material scan_material();
 
-/// Replaces the points of `cloud` by squares (point_squares.h), and notes their number and spacing. `bytes_per_point` is
-/// what the cloud holds of each. Errors: kBadData if there are none, or more than fit into `limit_bytes` meanwhile.
+/// Replaces the points of `cloud` by squares (point_squares.h), and notes their number and spacing. `bytes_per_point`
+/// is the memory of each point in the cloud. Errors: kBadData if there are no points, or if the conversion needs more
+/// than `limit_bytes`.
 Status show_points(std::size_t bytes_per_point, std::size_t limit_bytes, Mesh* cloud, std::vector<std::string>* notes);
 
 /// The points of a scanner's file. Thread-bound.
@@ -29,11 +30,12 @@ class PointCloud {
 
   explicit PointCloud(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
 
-  /// To be called before `count` points are added. Errors: kBadData if they would need more memory than the limit.
+  /// Checks that `count` points fit into the limit; to be called before they are added. Errors: kBadData if they do
+  /// not.
   [[nodiscard]] Status check_memory(std::uint64_t count) const;
   /// Adds a point of a file whose z axis points up; points that are not finite are left out and counted.
   void add(const Eigen::Vector3d& p_z_up, const Colour& colour);
-  /// Number of points that were added, with those that are not finite.
+  /// Returns the number of points that were added, including those that are not finite.
   [[nodiscard]] std::uint64_t added() const { return mesh_.positions.size() + unusable_; }
 
   /// Returns the points as a scan. Errors: kBadData if there are none.
@@ -45,8 +47,8 @@ class PointCloud {
   Mesh mesh_;
 };
 
-/// The factor that brings colours or intensities to bytes, from a histogram of all their values: files state any range.
-/// Takes the value that all but one in fifty are below as white.
+/// Factor that converts colours or intensities to bytes, from a histogram of all values, because files use any range.
+/// The value that only one in fifty exceeds becomes white.
 class BrightnessScale {
  public:
   void count(std::uint16_t value) { ++histogram_[value]; }

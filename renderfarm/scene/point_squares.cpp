@@ -14,16 +14,17 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr int kAxisBits = 21;
-constexpr std::size_t kMaxCandidates = 512;  ///< More points of one cell and its neighbours add nothing.
+/// More points of one cell and its neighbours would not change the result.
+constexpr std::size_t kMaxCandidates = 512;
 constexpr std::size_t kNeighbours = 12;      ///< Number of points that determine a plane.
-constexpr std::size_t kNearest = 4;          ///< In a regular grid, all of these are one step away.
+constexpr std::size_t kNearest = 4;          ///< Number of neighbours that are one step away in a regular grid.
 
 Vector3f point_of(const Mesh& cloud, std::uint32_t index) {
   const std::array<float, 3>& p = cloud.positions[index];
   return {p[0], p[1], p[2]};
 }
 
-/// The points by cubic cells.
+/// The points of a cloud, sorted by cubic cells.
 class PointCells {
  public:
   explicit PointCells(const Mesh& cloud) : cloud_(cloud) {
@@ -32,7 +33,7 @@ class PointCells {
     min_ = box.min();
     const float diagonal = std::max(box.diagonal().norm(), 1e-6f);
     const float finest = 2.0f * box.sizes().maxCoeff() / static_cast<float>(1u << kAxisBits);
-    // Suits an even surface; scans that are denser in some parts need a few corrections.
+    // This size suits an even surface; scans that are denser in some parts need a few corrections.
     cell_ = 2.5f * diagonal / std::sqrt(static_cast<float>(cloud.positions.size()));
     constexpr double kFewPerCell = 3.0;
     constexpr double kManyPerCell = 24.0;
@@ -52,12 +53,12 @@ class PointCells {
   void for_each_in(std::size_t cell, const Use& use) const {
     for (std::size_t i = starts_[cell]; i < starts_[cell + 1]; ++i) use(order_[i].second);
   }
-  /// Collects the points of a cell and of the 26 around it.
+  /// Collects the points of a cell and of the 26 cells around it.
   void candidates(std::size_t cell, std::vector<std::uint32_t>* ret_points) const {
     ret_points->clear();
     const std::uint64_t key = order_[starts_[cell]].first;
     for (int i = 0; i < 27; ++i) {
-      const int step = (i + 13) % 27;  // Its own points come first, and are never too many.
+      const int step = (i + 13) % 27;  // The cell's own points come first and never exceed kMaxCandidates.
       const std::uint64_t near = shifted(key, step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1);
       auto at = std::lower_bound(order_.begin(), order_.end(), std::pair(near, std::uint32_t{0}));
       for (; at != order_.end() && at->first == near && ret_points->size() < kMaxCandidates; ++at) {
@@ -70,7 +71,7 @@ class PointCells {
   [[nodiscard]] std::uint64_t key_of(const Vector3f& p) const {
     std::uint64_t key = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      // One is added so that the cell before the first exists as well.
+      // One is added so that the cell before the first cell has a key as well.
       key = key << kAxisBits | (static_cast<std::uint64_t>((p[axis] - min_[axis]) / cell_) + 1);
     }
     return key;

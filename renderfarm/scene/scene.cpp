@@ -83,7 +83,7 @@ bool has_light(const Scene& scene) {
          shines(scene.sky.horizon) || shines(scene.sky.ground);
 }
 
-/// Sets light and exposure as far as the package does not.
+/// Sets light and exposure where the package does not specify them.
 void light(const ScenePackage& package, const FoundSettings& found, Scene* scene) {
   scene->tone = package.tone;
   const bool in_package =
@@ -97,11 +97,11 @@ void light(const ScenePackage& package, const FoundSettings& found, Scene* scene
   if (!in_package) add_shadow_light(found, scene);
 }
 
-/// Heading of a camera; 0 if it looks straight down.
+/// Returns the heading of a camera; 0 if it looks straight down.
 double heading_of(const Viewpoint& view) { return std::atan2(view.direction.x(), -view.direction.z()); }
 
-/// Without tour stops in the package, the files' cameras become the stops; without a start, the first camera becomes
-/// the start.
+/// Makes the files' cameras the tour stops if the package has none, and the first camera the start if the package has
+/// no start.
 void add_viewpoints(ScenePackage* package, const std::vector<Viewpoint>& viewpoints) {
   if (package->stops.empty()) {
     for (const Viewpoint& view : viewpoints) package->stops.push_back({view.name, view.eye, heading_of(view)});
@@ -112,7 +112,7 @@ void add_viewpoints(ScenePackage* package, const std::vector<Viewpoint>& viewpoi
   }
 }
 
-/// A model of surfaces in place of splats, for the search for a start.
+/// Returns a model with surfaces in place of splats, for the search for a start.
 Model surfaces_of_splats(const Model& model) {
   Model surfaces;
   surfaces.materials.emplace_back();
@@ -121,7 +121,7 @@ Model surfaces_of_splats(const Model& model) {
   return surfaces;
 }
 
-/// Derives from the geometry what the package does not state.
+/// Makes a scene of package and model; values that the package does not state are derived from the geometry.
 Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const EnvironmentMap> environment,
                       const std::filesystem::path& path) {
   Scene scene;
@@ -150,7 +150,7 @@ Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const E
   scene.ambient = package.ambient.value_or(Eigen::Vector3f::Zero());
   scene.eye_lamp = package.eye_lamp.value_or(Eigen::Vector3f::Zero());
   scene.model.lights.insert(scene.model.lights.end(), package.lamps.begin(), package.lamps.end());
-  if (is_splats) {  // They hold their own light; a sky would shine between them.
+  if (is_splats) {  // Splats contain their own light; a sky would shine between them.
     scene.tone = package.tone;
     scene.exposure = package.exposure.value_or(1.0);
   } else {
@@ -196,7 +196,8 @@ Result<Scene> load_file(const std::filesystem::path& path, const ImportLimits& l
   add_part(std::move(file), frame.unit_m, {frame.T_scene_file}, &model);
   ScenePackage package;
   package.title = path.stem().string();
-  if (is_splats) package.tone = ToneCurve::kLinear;  // Splats hold the colours of photographs, ready to be shown.
+  // Splats have the colours of photographs, which need no tone curve.
+  if (is_splats) package.tone = ToneCurve::kLinear;
   return furnish(std::move(package), std::move(model), nullptr, path);
 }
 

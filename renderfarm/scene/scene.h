@@ -34,7 +34,7 @@ struct SceneTourStop {
   double heading_rad = 0.0;
 };
 
-/// Everything that a museum may know of a scene; nothing of its geometry. Scene frame.
+/// Everything that a museum may know about a scene, without its geometry. Scene frame.
 struct SceneInfo {
   std::string title;
   std::string credits;
@@ -48,32 +48,34 @@ struct SceneInfo {
   std::vector<SceneTourStop> stops;
 };
 
-/// A value (large: move it). Model's invariants hold; instances and lights are in the Scene frame, in metres.
+/// A value, which is large and should be moved. Model's invariants hold; instances and lights are in the Scene frame,
+/// in metres.
 struct Scene {
   SceneInfo info;
   Model model;
   Sky sky;
   std::shared_ptr<const EnvironmentMap> environment;  ///< Replaces the sky. May be null.
-  /// Radiance added to the light that surfaces receive; casts no shadows.
+  /// Radiance from all directions that surfaces receive in addition; casts no shadows.
   Eigen::Vector3f ambient = Eigen::Vector3f::Zero();
   /// Lamp that the visitor carries at the eye, in candela; zero for none.
   Eigen::Vector3f eye_lamp = Eigen::Vector3f::Zero();
-  double exposure = 1.0;  ///< Factor on radiance before it becomes a code value.
+  double exposure = 1.0;  ///< Factor by which radiance is multiplied before tone mapping.
   ToneCurve tone = ToneCurve::kShoulder;
-  int bounces = kUsualBounces;  ///< Bounces of light in this scene's reference picture; RenderQuality::bounces.
+  int bounces = kUsualBounces;  ///< RenderQuality::bounces of this scene's reference picture.
   Eigen::AlignedBox3d bounds;
 
   [[nodiscard]] std::uint64_t triangles_stored() const;
-  [[nodiscard]] std::uint64_t triangles_seen() const;  ///< Each instance counted.
+  [[nodiscard]] std::uint64_t triangles_seen() const;  ///< Counts each instance.
   [[nodiscard]] std::size_t memory_bytes() const;      ///< Geometry and textures, without the BVH.
 };
 
 /// Called occasionally with a fraction in [0, 1]; may be null.
 using LoadProgress = std::function<void(double)>;
 
-/// Loads a scene package (a folder with scene.toml, or that file) or one geometry file (.glb .gltf .ply .obj); for the
-/// latter, find_settings() derives the settings. The format is detected by content, then by name. Reentrant.
-/// Errors as the importers' and Config's; kNotFound if `path` does not exist; kSystem also if memory runs out.
+/// Loads a scene package (a folder with scene.toml, or that file) or one geometry file (.glb .gltf .ply .obj .las .e57
+/// .spz); for a geometry file, find_settings() derives the settings. The format is detected by content, then by name.
+/// Errors: those of the importers and of Config; kNotFound if `path` does not exist; kSystem also if memory runs out.
+/// Reentrant.
 Result<Scene> load_scene(const std::filesystem::path& path, const ImportLimits& limits, const LoadProgress& progress);
 
 }  // namespace cyclorama::scene

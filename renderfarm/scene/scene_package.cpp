@@ -22,7 +22,7 @@ constexpr Range kLight{0.0, 1e9};
 constexpr Range kLampSize{1e-6, 1e4};
 constexpr Range kUnit{1e-6, 1e6};
 constexpr Range kScale{1e-6, 1e6};
-constexpr std::size_t kMaxCorners = 1024;  // Limit of the visitor's navigation.
+constexpr std::size_t kMaxCorners = 1024;  // Limit of the code that moves the visitor.
 
 Eigen::Vector3d vector_of(const std::vector<double>& xyz) { return {xyz[0], xyz[1], xyz[2]}; }
 
@@ -42,7 +42,8 @@ std::optional<double> number_if_given(ConfigTable* table, const char* key, Range
   return table->number(key, range);
 }
 
-/// Accepts files inside the package only; otherwise a package from elsewhere could read other files of this machine.
+/// Returns the path of a file in the package. Files outside are refused, because an untrusted package could otherwise
+/// read other files of this machine.
 std::filesystem::path file_inside(ConfigTable* table, const std::filesystem::path& folder) {
   const std::string file = table->text("file");
   std::error_code error;
@@ -67,7 +68,7 @@ Eigen::Affine3d rotation_of(const std::vector<double>& xyz_deg) {
   return rotation;
 }
 
-/// Placement at `at`. A heading turns to the right: clockwise seen from above.
+/// Returns a placement at `at`. A heading turns to the right, which is clockwise seen from above.
 Eigen::Affine3d standing_at(const Eigen::Vector3d& at, double heading_rad, double scale) {
   return Eigen::Translation3d(at) * Eigen::AngleAxisd(-heading_rad, Eigen::Vector3d::UnitY()) * Eigen::Scaling(scale);
 }
@@ -110,14 +111,14 @@ void read_direction(ConfigTable* table, Light* light) {
   }
 }
 
-/// Direction of a rectangle's width: level, as for a picture on a wall, then rotated about `direction`.
+/// Returns the direction of a rectangle's width: level, as for a picture on a wall, then rotated about `direction`.
 Eigen::Vector3d across_of(const Eigen::Vector3d& direction, double rotation_rad) {
   Eigen::Vector3d level = direction.cross(Eigen::Vector3d::UnitY());
   level = level.norm() > 1e-9 ? level.normalized() : Eigen::Vector3d(Eigen::Vector3d::UnitX());
   return Eigen::AngleAxisd(rotation_rad, direction) * level;
 }
 
-/// Precondition: the lamp's size has been read.
+/// Reads the radiance of a rectangle or disk. Precondition: the lamp's size has been read.
 Eigen::Vector3f read_radiance(ConfigTable* table, const Light& light) {
   if (table->has("luminance_nits") && table->has("flux_lm")) {
     table->refuse("flux_lm", "repeats luminance_nits; keep one of them");
@@ -195,7 +196,7 @@ std::optional<PackageEnvironment> environment_if_given(ConfigTable* root, const 
   return environment;
 }
 
-/// Returns the number of corners of the area and its holes.
+/// Reads the holes of the walkable area. Returns the number of corners of the area and its holes.
 std::size_t read_holes(ConfigTable* visitor, ScenePackage* package) {
   std::size_t corners = package->walkable.size();
   for (ConfigTable& hole : visitor->tables("hole")) {

@@ -14,12 +14,13 @@
 
 namespace cyclorama::scene {
 
-/// One geometry file and its placements; stored once.
+/// One geometry file and its placements; the geometry is stored once.
 struct PackageGeometry {
   std::filesystem::path file;
   double unit_m = 1.0;
   bool z_up = false;
-  std::vector<Eigen::Affine3d> T_scene_part;  ///< Placements; at least one. Part: the file's model in metres, y up.
+  /// Placements; at least one. The part frame is that of the file, in metres with y up.
+  std::vector<Eigen::Affine3d> T_scene_part;
 };
 
 /// A picture of the light from all directions.
@@ -29,7 +30,7 @@ struct PackageEnvironment {
   float rotation_rad = 0.0f;  ///< Positive to the right.
 };
 
-/// Absent values are derived from the geometry. Scene frame, metres.
+/// Content of scene.toml, in the Scene frame and metres. Absent values are derived from the geometry.
 struct ScenePackage {
   std::string title;
   std::string credits;
@@ -41,9 +42,9 @@ struct ScenePackage {
   std::optional<double> eye_height_m;
   std::optional<double> walking_scale;
   std::vector<Eigen::Vector2d> walkable;
-  std::vector<std::vector<Eigen::Vector2d>> walkable_holes;  ///< Only with `walkable`.
+  std::vector<std::vector<Eigen::Vector2d>> walkable_holes;  ///< Empty unless `walkable` is given.
   std::optional<Sky> sky;
-  std::optional<PackageEnvironment> environment;  ///< Not with a sky.
+  std::optional<PackageEnvironment> environment;  ///< Never set together with `sky`.
   std::optional<Eigen::Vector3f> ambient;
   std::optional<Eigen::Vector3f> eye_lamp;
   std::vector<Light> lamps;
@@ -51,8 +52,8 @@ struct ScenePackage {
   std::vector<SceneTourStop> stops;
 };
 
-/// Parses `text`; `name` stands for the file in errors, and geometry is looked for only in `folder`. Errors: kBadData
-/// as "scene.toml:7: ...". Reentrant.
+/// Parses `text`; `name` stands for the file in errors, and geometry is searched only in `folder`. Errors: kBadData, in
+/// the form "scene.toml:7: ...". Reentrant.
 Result<ScenePackage> parse_scene_package(std::string_view text, std::string name, const std::filesystem::path& folder);
 
 }  // namespace cyclorama::scene

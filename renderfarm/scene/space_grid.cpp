@@ -8,7 +8,7 @@ namespace cyclorama::scene {
 namespace {
 
 constexpr double kCellsAlongLongestAxis = 96.0;
-constexpr std::size_t kMarksLimit = 40'000'000;  // Takes about a second.
+constexpr std::size_t kMarksLimit = 40'000'000;  // So many marks take about a second.
 constexpr double kTrianglesPerCellFace = 64.0;   // More triangles of one mesh add no information about a cell.
 
 Eigen::Vector3d corner_of(const Mesh& mesh, const Eigen::Affine3d& T, std::uint32_t index) {
@@ -16,7 +16,7 @@ Eigen::Vector3d corner_of(const Mesh& mesh, const Eigen::Affine3d& T, std::uint3
   return T * (mesh.origin + Eigen::Vector3d(double{p[0]}, double{p[1]}, double{p[2]}));
 }
 
-/// Diagonal of the mesh's box in the scene.
+/// Returns the diagonal of the mesh's box in the scene.
 double diagonal_of(const Mesh& mesh, const Eigen::Affine3d& T) {
   Eigen::AlignedBox3f box;
   for (const auto& p : mesh.positions) box.extend(Eigen::Vector3f(p[0], p[1], p[2]));
@@ -42,7 +42,7 @@ std::size_t SpaceGrid::index_of(const Eigen::Vector3i& cell) const {
 
 void SpaceGrid::mark(const Eigen::Vector3d& p, const Eigen::Vector3f& normal) {
   const Eigen::Vector3i cell = cell_of(p);
-  if (!contains(cell)) return;  // Rounding at the very edge.
+  if (!contains(cell)) return;  // Rounding may place a point outside at the very edge.
   Cell& marked = data_[index_of(cell)];
   marked.top = std::max(marked.top, static_cast<float>(p.y()));
   marked.facing += normal;
@@ -87,7 +87,7 @@ SpaceGrid::Ray SpaceGrid::cast(const Eigen::Vector3d& from, const Eigen::Vector3
     if (!contains(cell)) return ray;
     if (cell == first || !is_solid(cell)) continue;
     ray.hits = true;
-    // A sheet that is folded within the cell gives no facing.
+    // The normals of a sheet that is folded within the cell cancel, and the ray then counts as hitting the front.
     ray.from_behind = double{at(cell).facing.normalized().dot(direction.cast<float>())} > 0.1;
     return ray;
   }

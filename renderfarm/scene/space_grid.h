@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Coarse occupancy grid of a scene, sufficient to find a position to stand and a viewing direction without a BVH.
+/// Coarse occupancy grid of a scene, which suffices to find a standing position and a viewing direction without a BVH.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -9,11 +9,11 @@
 
 namespace cyclorama::scene {
 
-/// Cubic cells over the bounds, 96 along the longest side. Immutable once made; reentrant.
+/// Grid of cubic cells over the scene's bounds, 96 along the longest side. Immutable once built; reentrant.
 class SpaceGrid {
  public:
-  /// `bounds` is bounds_of(model) and not empty. Takes some nanoseconds per triangle, at most a second or two: very
-  /// large or very many triangles are sampled more sparsely.
+  /// Precondition: `bounds` is bounds_of(model) and not empty. Takes some nanoseconds per triangle and at most a second
+  /// or two, because very large or very many triangles are sampled more sparsely.
   SpaceGrid(const Model& model, const Eigen::AlignedBox3d& bounds);
 
   [[nodiscard]] double cell_m() const { return cell_m_; }
@@ -21,22 +21,22 @@ class SpaceGrid {
   [[nodiscard]] Eigen::Vector3d centre_of(const Eigen::Vector3i& cell) const {
     return min_ + (cell.cast<double>().array() + 0.5).matrix() * cell_m_;
   }
-  /// The cell may lie outside the grid.
+  /// Returns the cell that contains `p`; it may be outside the grid.
   [[nodiscard]] Eigen::Vector3i cell_of(const Eigen::Vector3d& p) const {
     return ((p - min_) / cell_m_).array().floor().cast<int>();
   }
   [[nodiscard]] bool contains(const Eigen::Vector3i& cell) const {
     return (cell.array() >= 0).all() && (cell.array() < cells_.array()).all();
   }
-  /// False outside the grid.
+  /// Returns false outside the grid.
   [[nodiscard]] bool is_solid(const Eigen::Vector3i& cell) const { return contains(cell) && at(cell).top > -kNowhere; }
-  /// Height of the highest surface in a solid cell.
+  /// Returns the height of the highest surface in a solid cell.
   [[nodiscard]] double top_of(const Eigen::Vector3i& cell) const { return double{at(cell).top}; }
 
   struct Ray {
-    double length_m = 0.0;  ///< Distance to the hit, or to where the ray leaves the grid.
+    double length_m = 0.0;  ///< Distance to the hit, or to the point where the ray leaves the grid.
     bool hits = false;
-    bool from_behind = false;  ///< Hits a back face: the ray starts inside something solid.
+    bool from_behind = false;  ///< The ray hits a back face, so it starts inside a solid object.
   };
   /// Casts a ray from `from` along `direction` (unit length). Ignores the cell of `from`.
   [[nodiscard]] Ray cast(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) const;
@@ -45,7 +45,7 @@ class SpaceGrid {
   static constexpr float kNowhere = 1e30f;
   struct Cell {
     float top = -kNowhere;
-    Eigen::Vector3f facing = Eigen::Vector3f::Zero();  ///< Sum of the unit normals of everything marked here.
+    Eigen::Vector3f facing = Eigen::Vector3f::Zero();  ///< Sum of the unit normals of the surfaces in the cell.
   };
   [[nodiscard]] const Cell& at(const Eigen::Vector3i& cell) const { return data_[index_of(cell)]; }
   [[nodiscard]] std::size_t index_of(const Eigen::Vector3i& cell) const;

@@ -14,7 +14,7 @@ namespace cyclorama::scene {
 namespace {
 
 constexpr double kMinScale = 1e-12;
-constexpr double kMinOpacity = 1.0 / 255.0;  ///< The original program leaves out what is fainter.
+constexpr double kMinOpacity = 1.0 / 255.0;  ///< The original program leaves out fainter splats.
 
 Eigen::Vector3d place_of(const SplatCloud& cloud, std::size_t splat) {
   const std::array<float, 3>& p = cloud.positions[splat];
@@ -58,7 +58,7 @@ std::string note_of_left_out(std::size_t left_out) {
 Eigen::AlignedBox3d bounds_of(const SplatCloud& cloud) {
   constexpr std::size_t kSamples = 200'000;
   constexpr double kStray = 0.005;
-  constexpr double kReach = 2.0;  // Standard deviations; what is farther out is faint.
+  constexpr double kReach = 2.0;  // In standard deviations; farther out, a splat is faint.
   Eigen::AlignedBox3d box;
   const std::size_t step = std::max<std::size_t>(1, cloud.size() / kSamples);
   const double scale = std::cbrt(std::abs(cloud.T_model_cloud.linear().determinant()));

@@ -25,7 +25,7 @@ std::size_t column_of(const PlyElement& vertex, std::string_view name) {
 
 Error bad_splats(std::string what) { return Error(ErrorCode::kBadData, std::move(what)); }
 
-/// The columns of a row, by meaning.
+/// Indices of the columns of a row, by meaning.
 struct SplatColumns {
   std::array<std::size_t, 3> position{};
   std::array<std::size_t, 3> scale{};
@@ -54,7 +54,7 @@ struct SplatColumns {
     if (rest != columns.rest_count()) {
       return bad_splats(fmt::format("its splats have {} coefficients 'f_rest'; 0, 9, 24 or 45 are expected", rest));
     }
-    // The file has all coefficients of red, then those of green and of blue.
+    // The file has first all coefficients of red, then those of green, then those of blue.
     const std::size_t each = rest / 3;
     columns.coefficients.resize(1 + each);
     for (std::size_t channel = 0; channel < 3; ++channel) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Gaussian splats as the original program writes them: rows of a PLY file.
+/// Gaussian splats in the format of the original program: rows of a PLY file.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@ namespace cyclorama::scene {
 
 [[nodiscard]] bool holds_splats(const PlyHeader& header);
 
-/// Reads the splats of a file for which holds_splats(). The original program trains in the frame of its first camera, in
-/// which y points down; they are turned so that y points up. Errors: kBadData, with the row.
+/// Reads splats. In the original program, y points down as in the frame of its first camera; the result is rotated so
+/// that y points up. Precondition: holds_splats(). Errors: kBadData, with the row.
 Result<Model> read_splat_ply(std::span<const std::byte> file, const PlyHeader& header, const ImportLimits& limits);
 
 }  // namespace cyclorama::scene

@@ -22,7 +22,7 @@ using Bytes = std::span<const std::byte>;
 constexpr std::size_t kSpzHeaderBytes = 16;
 constexpr std::size_t kSpz4HeaderBytes = 32;
 constexpr std::uint32_t kSpzMagic = 0x5053474e;
-constexpr std::uint64_t kMaxInflation = 1032;  ///< Deflate cannot compress better.
+constexpr std::uint64_t kMaxInflation = 1032;  ///< Maximum compression ratio of Deflate.
 
 Error bad_spz(std::string_view what) { return Error(ErrorCode::kBadData, fmt::format("the SPZ {}", what)); }
 
@@ -53,7 +53,7 @@ struct SpzHeader {
   }
   [[nodiscard]] std::size_t rotation_bytes() const { return version == 2 ? 3 : 4; }
   [[nodiscard]] std::size_t rest() const { return static_cast<std::size_t>((degree + 1) * (degree + 1) - 1); }
-  /// Bytes of one splat's positions, opacities, colours, scales, rotations and harmonics.
+  /// Returns the bytes of one splat's position, opacity, colour, scale, rotation and harmonics.
   [[nodiscard]] std::array<std::size_t, 6> widths() const { return {9, 1, 3, 3, rotation_bytes(), 3 * rest()}; }
   [[nodiscard]] std::uint64_t packed_bytes() const {
     std::uint64_t each = 0;
@@ -62,12 +62,13 @@ struct SpzHeader {
   }
 };
 
-/// The bytes of each attribute, one splat after the other.
+/// The bytes of each attribute, splat by splat.
 struct SpzParts {
   Bytes positions, opacities, colours, scales, rotations, harmonics;
 };
 
-/// Errors: kBadData if the splats would need more than the limit, or more than `stored` bytes can hold.
+/// Checks the number of splats. Errors: kBadData if they would need more memory than the limit, or more data than
+/// `stored` bytes can contain.
 Status check_count(const SpzHeader& header, std::uint64_t stored, std::uint64_t inflation, std::size_t limit_bytes) {
   if (header.packed_bytes() / inflation > stored) {
     return bad_spz(
@@ -79,12 +80,12 @@ Status check_count(const SpzHeader& header, std::uint64_t stored, std::uint64_t 
                              header.count, limit_bytes >> 20));
 }
 
-/// Inflates gzip into exactly `ret_bytes`. Returns false if it is damaged or of another length.
+/// Inflates `gzip` into exactly `ret_bytes`. Returns false if `gzip` is damaged or its content has another length.
 bool inflate_all(Bytes gzip, std::span<std::byte> ret_bytes, bool may_go_on) {
   z_stream stream{};
   constexpr int kGzip = 15 + 16;
   if (gzip.size() > std::numeric_limits<uInt>::max() || inflateInit2(&stream, kGzip) != Z_OK) return false;
-  // zlib takes the input as not const, and does not change it.
+  // zlib's input is not const, but zlib does not change it.
   stream.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(gzip.data()));
   stream.avail_in = static_cast<uInt>(gzip.size());
   std::size_t done = 0;
@@ -108,14 +109,15 @@ bool inflate_all(Bytes gzip, std::span<std::byte> ret_bytes, bool may_go_on) {
 
 double byte_at(Bytes bytes, std::size_t at) { return static_cast<double>(bytes[at]); }
 
-/// Rotation of version 2: x, y and z; w is not negative.
+/// Decodes a rotation of version 2, which stores x, y and z; w is not negative.
 Eigen::Quaterniond first_three(Bytes bytes, std::size_t at) {
   const Eigen::Vector3d v(byte_at(bytes, at) / 127.5 - 1.0, byte_at(bytes, at + 1) / 127.5 - 1.0,
                           byte_at(bytes, at + 2) / 127.5 - 1.0);
   return {std::sqrt(std::max(0.0, 1.0 - v.squaredNorm())), v.x(), v.y(), v.z()};
 }
 
-/// Rotation of later versions: the three smallest of x, y, z and w, in 10 bits each, and which is missing.
+/// Decodes a rotation of later versions, which store the three smallest of x, y, z and w in 10 bits each, and the index
+/// of the largest.
 Eigen::Quaterniond smallest_three(Bytes bytes, std::size_t at) {
   auto packed = little_endian<std::uint32_t>(bytes, at);
   const std::uint32_t largest = packed >> 30;
@@ -142,7 +144,7 @@ SplatCloud unpack(const SpzHeader& header, const SpzParts& parts, std::size_t* r
       const auto low = static_cast<std::uint32_t>(parts.positions[at]);
       const auto middle = static_cast<std::uint32_t>(parts.positions[at + 1]);
       const auto high = static_cast<std::uint32_t>(parts.positions[at + 2]);
-      const auto fixed = static_cast<std::int32_t>((low | middle << 8 | high << 16) << 8) >> 8;  // With its sign.
+      const auto fixed = static_cast<std::int32_t>((low | middle << 8 | high << 16) << 8) >> 8;  // Extends the sign.
       values.position[static_cast<int>(axis)] = unit * fixed;
       values.scale[static_cast<int>(axis)] = std::exp(byte_at(parts.scales, 3 * i + axis) / 16.0 - 10.0);
     }
@@ -174,7 +176,7 @@ SpzParts parts_of(const SpzHeader& header, Bytes packed) {
   return parts;
 }
 
-/// Versions 2 and 3: one gzip stream.
+/// Decodes versions 2 and 3: one gzip stream.
 Result<SplatCloud> decode_gzip(Bytes spz, std::size_t limit_bytes, std::size_t* ret_left_out) {
   std::array<std::byte, kSpzHeaderBytes> first{};
   if (!inflate_all(spz, first, true)) return bad_spz("is no gzip stream, or ends too early; copy it again");
@@ -187,12 +189,12 @@ Result<SplatCloud> decode_gzip(Bytes spz, std::size_t limit_bytes, std::size_t* 
   return unpack(header, parts_of(header, Bytes(raw).subspan(kSpzHeaderBytes)), ret_left_out);
 }
 
-/// Version 4: a header, a table of streams with their sizes, and a Zstandard stream for each part.
+/// Decodes version 4: a header, a table of streams with their sizes, and a Zstandard stream for each part.
 Result<SplatCloud> decode_streams(Bytes spz, std::size_t limit_bytes, std::size_t* ret_left_out) {
   TRY_ASSIGN(const SpzHeader header, SpzHeader::read(spz));
   if (header.version == 4 && spz.size() >= kSpz4HeaderBytes) {
     constexpr std::uint64_t kMaxZstandard = std::uint64_t{1}
-                                            << 17;  // A block of one repeated byte: 128 KiB in a few bytes.
+                                            << 17;  // A block of one repeated byte stores 128 KiB in a few bytes.
     TRY(check_count(header, spz.size(), kMaxZstandard, limit_bytes));
     const std::size_t streams = little_endian<std::uint8_t>(spz, 15);
     std::size_t table = little_endian<std::uint32_t>(spz, 16);

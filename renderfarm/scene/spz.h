@@ -10,12 +10,12 @@
 
 namespace cyclorama::scene {
 
-/// True if the bytes begin as an SPZ file does that is not compressed as a whole: version 4.
+/// Returns true if the bytes begin like an SPZ file of version 4, which is not compressed as a whole.
 [[nodiscard]] bool is_bare_spz(std::span<const std::byte> bytes);
 
-/// Decodes a file. The y axis points up. Errors: kBadData if it is damaged, of another version, or would need more than
-/// `limit_bytes`; a count that the bytes cannot hold is refused before memory is taken.
-/// `ret_left_out` becomes the number of splats that cannot be seen.
+/// Decodes a file; the y axis of the result points up. Sets `ret_left_out` to the number of invisible splats, which are
+/// left out. Errors: kBadData if the file is damaged, of another version, or would need more than `limit_bytes`; a
+/// count that the bytes cannot contain is refused before memory is allocated.
 Result<SplatCloud> decode_spz(std::span<const std::byte> spz, std::size_t limit_bytes, std::size_t* ret_left_out);
 
 }  // namespace cyclorama::scene

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The options for a picture's projection: --camera and those that belong to it.
+/// The options for a picture's projection: --camera and the options that refine it.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -22,8 +22,8 @@ struct CameraOptions {
 
 void add_camera_options(CLI::App* command, CameraOptions* options);
 
-/// Returns the projection for a picture of that size (of each eye), with square pixels. Errors: kInvalidArgument, one
-/// sentence, if an option is wrong or does not belong to the camera.
+/// Returns the projection for a picture with square pixels; the size is that of each eye. Errors: kInvalidArgument,
+/// with one sentence, if an option is invalid or does not apply to the camera.
 Result<Projection> projection_of(const CameraOptions& options, int width_px, int height_px);
 
 }  // namespace cyclorama::tools

@@ -15,15 +15,16 @@ struct LightErrors {
 };
 
 struct Comparison {
-  std::optional<LightErrors> light;  ///< Only for two PFM files: code values have lost the light above white.
+  /// Set only for two PFM files, because code values do not contain the light above white.
+  std::optional<LightErrors> light;
   quality::ShownError shown;
 };
 
 /// Compares PFM, PNG or JPEG files, detected by their first bytes. Light is tone mapped with the standard curve before
-/// it is compared as shown. Errors as the readers' and shown_error(); kBadData also for light that is not finite.
+/// it is compared as shown. Errors: those of the readers and of shown_error(); kBadData also if light is not finite.
 Result<Comparison> compare_files(const std::filesystem::path& picture, const std::filesystem::path& reference);
 
-/// `cyclorama-render compare PICTURE REFERENCE`: the errors between two pictures.
+/// Adds `cyclorama-render compare PICTURE REFERENCE`, which prints the errors between two pictures.
 [[nodiscard]] RenderCommand add_compare_command(CLI::App* program);
 
 }  // namespace cyclorama::tools

@@ -89,7 +89,7 @@ void print_traced(const render::Renderer& renderer) {
              render::describe_bytes(renderer.bvh_bytes()), render::describe_bytes(renderer.shading_bytes()));
 }
 
-/// Prints what light was computed ahead for the scene, or why it cannot be used.
+/// Prints the properties of the scene's stored light, or why it cannot be used.
 void print_stored_light(const std::filesystem::path& scene, const render::Renderer& renderer) {
   const std::filesystem::path file = scene / light::kLightFileName;
   std::error_code none;

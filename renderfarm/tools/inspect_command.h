@@ -5,7 +5,7 @@
 
 namespace cyclorama::tools {
 
-/// `cyclorama-render inspect SCENE`: the content of a scene, and its kernel.
+/// Adds `cyclorama-render inspect SCENE`, which prints the content of a scene and its kernel.
 [[nodiscard]] RenderCommand add_inspect_command(CLI::App* program);
 
 }  // namespace cyclorama::tools

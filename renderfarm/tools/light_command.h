@@ -5,7 +5,7 @@
 
 namespace cyclorama::tools {
 
-/// `cyclorama-render light SCENE`: computes the light on the scene's surfaces and stores it with the scene.
+/// Adds `cyclorama-render light SCENE`, which computes the light on a scene's surfaces and stores it with the scene.
 [[nodiscard]] RenderCommand add_light_command(CLI::App* program);
 
 }  // namespace cyclorama::tools

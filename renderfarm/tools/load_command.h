@@ -5,7 +5,7 @@
 
 namespace cyclorama::tools {
 
-/// `cyclorama-render load SCENE`: time and memory of loading and of the BVH.
+/// Adds `cyclorama-render load SCENE`, which prints the time and memory of loading and of the BVH.
 [[nodiscard]] RenderCommand add_load_command(CLI::App* program);
 
 }  // namespace cyclorama::tools

@@ -64,7 +64,7 @@ Status picture(const PictureOptions& options, const StopSignal& stop) {
     view.quality.stored_light = true;
   }
   denoise::DenoisingRenderer denoising(*renderer, options.scene.threads);
-  // Each denoised band would need a margin, so there is only one.
+  // Each denoised band would need a margin, so denoised pictures have only one band.
   const int band_px = options.denoise ? view.picture().height_px() : kBandPx;
   render::RenderCost cost;
   const auto cancelled = [&] { return stop.requested(); };

@@ -5,7 +5,7 @@
 
 namespace cyclorama::tools {
 
-/// `cyclorama-render picture SCENE --out FILE`: renders one picture into a PNG and prints its cost.
+/// Adds `cyclorama-render picture SCENE --out FILE`, which renders one picture into a PNG or PFM and prints its cost.
 [[nodiscard]] RenderCommand add_picture_command(CLI::App* program);
 
 }  // namespace cyclorama::tools

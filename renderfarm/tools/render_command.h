@@ -16,13 +16,13 @@
 namespace cyclorama::tools {
 
 /// One sub-command. Each has a function `RenderCommand add_x_command(CLI::App* program)` in x_command.h;
-/// render_main.cpp runs the one that was parsed.
+/// render_main.cpp runs the command that was parsed.
 struct RenderCommand {
   CLI::App* parser = nullptr;  ///< Owned by the program.
   std::function<Status(const StopSignal&)> run;
 };
 
-/// Selects the scene and the number of threads.
+/// Options that select the scene and the number of threads.
 struct SceneOptions {
   std::string scene;
   int threads = 0;
@@ -35,11 +35,12 @@ struct LoadedScene {
   double seconds = 0.0;
 };
 
-/// load_scene() within the available memory, and Renderer::build(), with a progress bar.
+/// load_with_progress() calls load_scene() within the available memory, and build_with_progress() calls
+/// Renderer::build(); both show a progress bar.
 Result<LoadedScene> load_with_progress(const SceneOptions& options);
 Result<std::unique_ptr<render::Renderer>> build_with_progress(scene::Scene scene, const SceneOptions& options);
 
-/// Returned by a command that was ended by StopSignal.
+/// Returns the error of a command that StopSignal ended.
 [[nodiscard]] Error stopped();
 
 /// Writes indented JSON; the file is replaced completely or not at all.

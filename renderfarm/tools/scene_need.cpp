@@ -14,7 +14,7 @@
 namespace cyclorama::tools {
 namespace {
 
-/// Visible materials, and for each whether any of its meshes is partly transparent.
+/// For each material, whether it is visible, and whether any of its meshes is partly transparent.
 struct SeenMaterials {
   std::vector<bool> seen;
   std::vector<bool> blends;
@@ -34,7 +34,7 @@ SeenMaterials seen_materials(const scene::Model& model) {
   return found;
 }
 
-/// "2 materials: 'gold' (metal), 'tile'".
+/// Builds texts such as "2 materials: 'gold' (metal), 'tile'".
 class MaterialList {
  public:
   void add(const scene::Material& material, const char* why = "") {

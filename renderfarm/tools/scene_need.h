@@ -10,8 +10,8 @@ namespace cyclorama::tools {
 
 /// One feature and its use in a scene.
 struct NamedNeed {
-  std::string name;  ///< "textures"
-  std::string what;  ///< "3, in 'wall', 'floor'"; empty if unused.
+  std::string name;  ///< Such as "textures".
+  std::string what;  ///< Such as "3, in 'wall', 'floor'"; empty if unused.
 };
 
 /// Returns all features, used or not, from the visible materials, the lights, and the placement of the geometry. Reads

@@ -23,11 +23,11 @@ struct ViewOptions {
 
 void add_view_options(CLI::App* command, ViewOptions* options);
 
-/// Absent values are the scene's start; the quality is the default one. Errors: kInvalidArgument, which names the
-/// option.
+/// Returns the view that the options describe. Absent values are those of the scene's start; the quality is the
+/// default. Errors: kInvalidArgument, which names the option.
 Result<render::PanoramaView> view_of(const ViewOptions& options, const scene::SceneInfo& info);
 
-/// Same contract as view_of(), for commands that support only panoramas; other cameras are refused.
+/// Returns the view like view_of(), for commands that support only panoramas; other cameras are refused.
 Result<render::PanoramaView> panorama_view_of(const ViewOptions& options, const scene::SceneInfo& info);
 
 }  // namespace cyclorama::tools

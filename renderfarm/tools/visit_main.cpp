@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: Apache-2.0
-// A session without a museum: measures whether the farm is available, how fast it is, and what it shows.
+// SPDX-License-Identifier: Apache-2.0 cyclorama-visit: opens a session without a museum, and measures whether the farm
+// is available, how fast it is, and what it shows.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,13 +35,13 @@ struct Arguments {
   std::string json{};
 };
 
-/// Requests the next view whenever a frame begins, so that the farm always has work, and counts.
+/// Requests the next view whenever a frame begins, so that the farm always has work, and collects statistics.
 class Visitor final : public client::FarmListener {
  public:
   explicit Visitor(const Arguments& arguments) : arguments_(arguments), picture_(arguments.width, arguments.height) {}
 
   void set_client(client::FarmClient& client) { client_.put(&client); }
-  /// Returns false if the session took too long or a stop was requested.
+  /// Waits for the last frame. Returns false if the session took too long or a stop was requested.
   [[nodiscard]] bool wait(const StopSignal& stop, TimePoint deadline) {
     constexpr auto kPeriod = std::chrono::milliseconds(200);
     while (!stop.requested() && SteadyClock().now() < deadline) {
@@ -90,7 +90,7 @@ class Visitor final : public client::FarmListener {
     if (frames_ >= arguments_.frames) done_.put(true);
   }
 
-  /// Call after the client was stopped.
+  /// Returns the statistics. Precondition: the client has been stopped.
   [[nodiscard]] nlohmann::json summary() const {
     nlohmann::json out;
     out["scene"] = scene_.name();
@@ -105,7 +105,7 @@ class Visitor final : public client::FarmListener {
     }
     return out;
   }
-  /// The last complete frame; empty if there was none.
+  /// Returns the last complete frame; empty if there was none.
   [[nodiscard]] const RgbImage& picture() const { return whole_; }
 
  private:
@@ -133,7 +133,7 @@ class Visitor final : public client::FarmListener {
   const Arguments& arguments_;
   LatestValue<client::FarmClient*> client_;
   LatestValue<bool> done_;
-  // Used only by the client's thread until the client was stopped.
+  // Used only by the client's thread until the client has been stopped.
   client::FarmClient* client_now_ = nullptr;
   wire::SceneDescription scene_;
   std::uint64_t asked_ = 0;
@@ -144,7 +144,7 @@ class Visitor final : public client::FarmListener {
   TimePoint last_at_{};
   std::map<std::string, Percentiles> stages_;
   std::map<std::string, Percentiles> numbers_;
-  RgbImage picture_;  ///< The open frame.
+  RgbImage picture_;  ///< The frame that is being received.
   RgbImage whole_{};
   JpegDecoder decoder_;
 };

@@ -20,7 +20,7 @@ struct WatermarkVerdict {
 /// Reentrant.
 std::vector<WatermarkVerdict> find_museum(const RgbImage& picture, const trust::Grants& grants);
 
-/// `cyclorama-render watermark PICTURE --museums FILE`: finds the museum for which a picture was made.
+/// Adds `cyclorama-render watermark PICTURE --museums FILE`, which finds the museum for which a picture was made.
 [[nodiscard]] RenderCommand add_watermark_command(CLI::App* program);
 
 }  // namespace cyclorama::tools

@@ -21,13 +21,13 @@ using Eigen::Vector2i;
 constexpr int kRings = 8;             // Number of heights at which horizontal rays are traced.
 constexpr double kMinRadiusM = 0.05;  // Minimum clearance, for an eye at 1.6 m.
 constexpr double kSlopeSpanM = 0.6;
-constexpr int kMaxCells = 2048;            // Per side.
-constexpr std::size_t kMaxCorners = 1000;  // Less than navigation accepts.
-constexpr double kMinHoleCells = 4.0;      // In cells.
+constexpr int kMaxCells = 2048;            // Along each side of the grid.
+constexpr std::size_t kMaxCorners = 1000;  // Less than the maximum that navigation accepts.
+constexpr double kMinHoleCells = 4.0;      // Minimum area of a hole, in cells.
 constexpr std::array<std::array<int, 2>, 4> kBeside = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 constexpr double kNowhere = -std::numeric_limits<double>::infinity();
 
-/// A grid of cells around the start with the state of each.
+/// A grid of cells around the start, with the state of each cell.
 class Ground {
  public:
   Ground(const RayProbe& probe, const scene::SceneInfo& info, const BodySize& body, double floor, double cell,
@@ -107,7 +107,7 @@ void Ground::look_down(const std::vector<Vector2i>& cells) {
 double Ground::height(const Vector2i& c) const {
   const double own = seen_height(c);
   if (std::isfinite(own) || !contains(c) || state_[index_of(c)] != kGap) return own;
-  const int max = gap_cells() + 1;  // From ground to ground, across the whole gap.
+  const int max = gap_cells() + 1;  // Distance, in cells, from ground to ground across the whole gap.
   for (const Vector2i& way : {Vector2i(1, 0), Vector2i(0, 1), Vector2i(1, 1), Vector2i(1, -1)}) {
     for (int back = 1; back < max; ++back) {
       const double one = seen_height(c - back * way);
@@ -216,7 +216,7 @@ class Flood {
     if (!std::isfinite(height)) {
       there = GroundKind::kNone;
     } else if (std::abs(height - ground_.height(from)) > body_.step_m) {
-      there = GroundKind::kSteep;  // Only from this side; another way may be less steep.
+      there = GroundKind::kSteep;  // This holds only from this side; another way may be less steep.
     } else if (ground_.is_steep(to)) {
       there = GroundKind::kSteep;
     } else if (!ground_.is_clear(to, height, radius_)) {
@@ -267,7 +267,7 @@ Status make_polygons(const scene::CellSet& cells, const Vector2d& min, double ce
       "room");
 }
 
-/// Returns the largest tried clearance, up to the body's radius, for which the start is clear.
+/// Returns the largest clearance, of those tried up to the body's radius, for which the start is clear.
 Result<double> radius_at(const Ground& ground, const Vector2i& start, double floor, const BodySize& body) {
   for (double radius = body.radius_m; radius >= kMinRadiusM * body.eye_m / 1.6; radius *= 0.75) {
     if (ground.is_clear(start, floor, radius)) return radius;

@@ -26,21 +26,21 @@ namespace cyclorama::walkable {
 /// Dimensions of a person whose eyes are 1.6 m above the ground; they scale with the eye height of a scene's visitor.
 struct BodySize {
   double eye_m = 1.6;
-  double radius_m = 0.30;    ///< Clearance from everything; smaller if the start has less.
-  double headroom_m = 0.15;  ///< Above the eye.
+  double radius_m = 0.30;    ///< Clearance from obstacles; reduced if the start has less.
+  double headroom_m = 0.15;  ///< Free height above the eye.
   double step_m = 0.25;      ///< Height that can be stepped up, down, or over.
   double knee_m = 0.45;      ///< Obstacles below this height do not matter.
-  /// Bounds of the ground's height below and above that at the start: beyond them, an eye of fixed height would be too
-  /// high or too low.
+  /// Limits to how far the ground may be below and above the ground at the start; beyond them, an eye of fixed height
+  /// would be too high or too low.
   double lower_m = 0.64;
   double higher_m = 0.40;
   double gap_m = 0.15;          ///< Width of holes in the ground that are bridged; scans have such holes.
-  double steepest_rad = 0.785;  ///< 45 degrees over 0.6 m, as on steep stairs.
+  double steepest_rad = 0.785;  ///< Maximum slope over 0.6 m: 45 degrees, as on steep stairs.
 };
 
 struct GroundOptions {
-  double cell_m = 0.05;    ///< For an eye at 1.6 m.
-  double reach_m = 100.0;  ///< In each direction from the start, for an eye at 1.6 m.
+  double cell_m = 0.05;    ///< Side of a cell, for an eye at 1.6 m.
+  double reach_m = 100.0;  ///< Distance searched in each direction from the start, for an eye at 1.6 m.
 };
 
 /// Result of the search at a cell.
@@ -53,7 +53,8 @@ struct WalkableGround {
   double radius_m = 0.0;  ///< Clearance that was applied.
   double floor_m = 0.0;   ///< Height of the ground at the start.
   double cell_m = 0.0;
-  // For pictures: cell (x, z) is kinds[z * width + x]; its lowest corner is `min + cell_m * (x, z)`.
+  // For pictures: cell (x, z) is kinds[z * width + x]; its corner with the lowest coordinates is `min + cell_m * (x,
+  // z)`.
   int width = 0;
   int depth = 0;
   Eigen::Vector2d min = Eigen::Vector2d::Zero();

@@ -41,7 +41,7 @@ bool is_placeable(const Eigen::Affine3f& T) {
 
 struct RayProbe::Embree {
   Device device;
-  std::vector<EmbreeScene> meshes;  ///< Null if not solid or not placed.
+  std::vector<EmbreeScene> meshes;  ///< Null for meshes that are not solid or not placed.
   EmbreeScene top;
   Eigen::Vector3d origin;
 
@@ -56,7 +56,8 @@ struct RayProbe::Embree {
     EmbreeScene scene(rtcNewScene(device.get()));
     rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    // Vertices are copied with padding, because Embree reads them 16 bytes at a time, beyond the end of a tight array.
+    // Vertices are copied with padding, because Embree reads them 16 bytes at a time, which would exceed an array
+    // without padding.
     auto* const vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.positions.size()));
     if (vertices != nullptr) std::copy_n(mesh.positions.front().data(), 3 * mesh.positions.size(), vertices);

@@ -12,15 +12,15 @@
 
 namespace cyclorama::walkable {
 
-/// Traces rays through a scene's geometry to find positions of surfaces, not their appearance. The answers are exact,
-/// unlike those of SpaceGrid, which are coarse. Blending materials (light shafts, fog, panes modelled in that way) are
-/// no obstacles and are left out.
+/// Traces rays through a scene's geometry to find positions of surfaces, not their appearance. Results are exact,
+/// unlike those of the coarse SpaceGrid. Surfaces with blending materials, such as light shafts, fog and some panes,
+/// are not obstacles and are left out.
 ///
-/// Copies no triangles: borrows the scene, which must not change. Reentrant.
+/// Borrows the triangles' indices from the scene, which must outlive the probe and not change. Reentrant.
 class RayProbe {
  public:
-  /// `near` is where rays are most precise; all geometry is placed relative to it. Errors: kSystem if Embree fails, for
-  /// example for lack of memory.
+  /// Builds the BVH of `scene`. Rays are most precise near the position `near`, relative to which all geometry is
+  /// placed. Errors: kSystem if Embree fails, for example for lack of memory.
   static Result<RayProbe> build(const scene::Scene& scene, const Eigen::Vector3d& near);
   RayProbe(RayProbe&&) noexcept;
   RayProbe& operator=(RayProbe&&) noexcept;
@@ -32,7 +32,7 @@ class RayProbe {
   /// there is none down to `bottom`.
   [[nodiscard]] std::vector<double> heights(const std::vector<Eigen::Vector2d>& places, double top,
                                             double bottom) const;
-  /// Returns true if nothing lies within `length` of `from` in any of kBatch horizontal directions, evenly spaced.
+  /// Returns true if no surface is within `length` of `from` in any of kBatch evenly spaced horizontal directions.
   [[nodiscard]] bool is_clear_around(const Eigen::Vector3d& from, double length) const;
   /// Returns the distance to the nearest surface in `direction`; null if it is beyond `length`.
   [[nodiscard]] std::optional<double> distance(const Eigen::Vector3d& from, const Eigen::Vector3d& direction,

@@ -25,7 +25,7 @@ std::string points_text(const std::vector<Eigen::Vector2d>& points) {
   return text + "]";
 }
 
-/// A line of a TOML file. A value that spans several lines belongs to the line of its key.
+/// A line of a TOML file. All lines of a value that spans several lines have the same key.
 struct Line {
   std::string text;
   std::string section;  ///< "visitor" below [visitor], "visitor.hole" below [[visitor.hole]], "" at the top.
@@ -33,11 +33,10 @@ struct Line {
   bool is_header = false;
 };
 
-/// Tracks brackets, quotes and comments from line to line. Precondition: the text is valid TOML, which its reader has
-/// checked.
+/// Tracks brackets, quotes and comments from line to line. Precondition: the text is valid TOML.
 class Scanner {
  public:
-  /// True if the next line continues the value before it.
+  /// Returns true if the next line continues the value before it.
   [[nodiscard]] bool is_within() const { return depth_ > 0 || !quote_.empty(); }
   void pass(std::string_view line) {
     for (std::size_t i = 0; i < line.size();) {
@@ -102,7 +101,8 @@ std::vector<Line> lines_of(std::string_view text) {
   return lines;
 }
 
-/// Returns true for visitor = {...} or visitor.eye_height_m = 1.6: a table without a header to write below.
+/// Returns true for visitor = {...} or visitor.eye_height_m = 1.6: a table without a header below which keys could be
+/// written.
 bool is_without_header(const std::vector<Line>& lines, std::string_view name) {
   const auto names = [&](const Line& line) {
     return line.section.empty() && !line.is_header &&
@@ -143,7 +143,7 @@ Result<std::string> with_walkable(std::string_view text, const std::string& name
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const Line& line = lines[i];
     if (line.section == "visitor" && line.key == "walkable_m") continue;
-    // Removes all of a hole except comments, which may belong to the next header.
+    // Removes all lines of a hole except comments, which may belong to the next header.
     if (line.section == "visitor.hole" && (line.is_header || !line.key.empty())) continue;
     if (line.section == "visitor.hole" && trimmed(line.text).empty()) continue;
     out += line.text + "\n";

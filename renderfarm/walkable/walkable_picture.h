@@ -6,9 +6,9 @@
 
 namespace cyclorama::walkable {
 
-/// Draws the ground from above, -z up, cropped to the probed cells: walkable green, blocked red, steep orange, no
-/// ground blue, not reached black; the outline white, holes yellow, the scene's current area cyan, the start a cross,
-/// stops small crosses.
+/// Draws the ground from above, with -z up, cropped to the probed cells. Walkable cells are green, blocked ones red,
+/// steep ones orange, cells without ground blue, and cells that were not reached black. The outline is white, holes are
+/// yellow, and the scene's current area is cyan. The start is a cross, and tour stops are small crosses.
 [[nodiscard]] RgbImage walkable_picture(const WalkableGround& ground, const scene::SceneInfo& info);
 
 }  // namespace cyclorama::walkable

@@ -7,15 +7,16 @@
 namespace cyclorama::render {
 namespace {
 
-/// Columns are spaced evenly in the square root of the cosine, because values change faster towards grazing angles.
+/// Returns the cosine of a column. Columns are spaced evenly in the square root of the cosine, because values change
+/// faster towards grazing angles.
 float cosine_of(int column, int columns) {
   constexpr float kGrazing = 1e-4f;
   const float root = static_cast<float>(column) / static_cast<float>(columns - 1);
   return std::max(kGrazing, root * root);
 }
 
-/// Returns the mean over a cosine-weighted hemisphere of a function that is linear in the square root of the cosine
-/// between columns: 4 u³ du, integrated exactly by three-point Gauss-Legendre quadrature.
+/// Returns the mean over a cosine-weighted hemisphere of a function that is linear, between columns, in u, the square
+/// root of the cosine. The weight is 4 u³ du; three-point Gauss-Legendre quadrature integrates the product exactly.
 template <typename At>
 float mean_of_columns(int columns, const At& at) {
   constexpr std::array<float, 3> kPlaces = {0.1127016654f, 0.5f, 0.8872983346f};
@@ -66,7 +67,7 @@ BounceAlbedo bounce_albedo(float cosine, float alpha) {
   return sum;
 }
 
-/// Returns the share that is lost.
+/// Returns the share of light that one bounce at the facets of glass loses.
 float glass_lost(float cosine, float alpha, float eta) {
   float sum = 0.0f;
   for_visible_normals(cosine, alpha, 14, [&](const Vec3& wo, const Vec3& h, const Microfacets& facets, float part) {

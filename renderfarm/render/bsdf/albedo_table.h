@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Albedo of a rough surface after a single bounce between its facets. The rest bounces on; the lobes that compensate
-/// for it are built from these numbers.
+/// Albedo of a rough surface for light that leaves it after a single bounce off a microfacet. The lobes that compensate
+/// for the light of further bounces are computed from these values.
 ///
 /// Source of the idea: Kulla and Conty, "Revisiting Physically Based Shading at Imageworks", 2017.
 #pragma once
@@ -11,12 +11,14 @@
 
 namespace cyclorama::render {
 
-/// Under uniform illumination, one bounce reflects f0 * low + f90 * high, by Schlick's Fresnel. low + high + lost is 1.
+/// Albedo of one bounce: under uniform illumination it reflects f0 * low + f90 * high, by Schlick's approximation of
+/// Fresnel reflectance. low + high + lost is 1.
 struct BounceAlbedo {
   float low = 1.0f;
   float high = 0.0f;
-  float lost = 0.0f;  ///< Stored separately for its precision.
-  /// Excess over its reflection that a smooth coat's narrow() removes, for perfect mirrors as facets.
+  float lost = 0.0f;  ///< Stored, because 1 - low - high would be imprecise.
+  /// Light that Coat::narrow() of a smooth coat removes beyond what the coat reflects, if the facets below are perfect
+  /// mirrors.
   float darker = 0.0f;
 };
 
@@ -56,7 +58,7 @@ class AlbedoRow {
   }
 
  private:
-  /// Computed at the first call; thread-safe.
+  /// Returns the table, which is computed at the first call. Thread-safe.
   static const Table& table();
   static BounceAlbedo between(const BounceAlbedo& a, const BounceAlbedo& b, float part) {
     return {a.low + (b.low - a.low) * part, a.high + (b.high - a.high) * part, a.lost + (b.lost - a.lost) * part,
@@ -68,8 +70,8 @@ class AlbedoRow {
   float part_;
 };
 
-/// The share that one bounce loses at the surface of a body with index of refraction `ior`, for reflected and
-/// transmitted light together, seen from outside or from inside. Reentrant.
+/// Share of light that neither leaves the rough surface of a body upwards nor passes it downwards after one bounce. The
+/// body has the index of refraction `ior` and is seen from outside or from inside. Reentrant.
 class GlassLoss {
  public:
   static constexpr int kCosines = 16;

@@ -10,9 +10,9 @@
 
 namespace cyclorama::render {
 
-/// Texture values at one point, decoded to linear; ones if there is no texture. They multiply the factors.
+/// Texture values at one point, decoded to linear; 1 where there is no texture. They multiply the material's factors.
 struct SurfaceTexels {
-  Vec3 base_colour = Vec3::Ones();  ///< Vertex colour included.
+  Vec3 base_colour = Vec3::Ones();  ///< Includes the vertex colour.
   float metallic = 1.0f;
   float roughness = 1.0f;
   float specular = 1.0f;
@@ -22,7 +22,7 @@ struct SurfaceTexels {
   float transmission = 1.0f;
 };
 
-/// Parameters of the reflection model. Colours are linear, in [0, 1], as are all shares; the default has no gloss.
+/// Parameters of the reflection model. Colours are linear; colours and shares are in [0, 1]. The default has no gloss.
 struct Bsdf {
   Vec3 base_colour = Vec3::Zero();
   float metallic = 0.0f;
@@ -32,16 +32,16 @@ struct Bsdf {
 
   // Used only by SurfaceLevel::kLayered.
   float transmission = 0.0f;
-  bool thin = true;       ///< Transmitted light leaves in the direction in which it came.
-  bool inside = false;    ///< The viewer is within the body. Never with `thin`.
+  bool thin = true;       ///< Transmitted light keeps its direction.
+  bool inside = false;    ///< The viewer is inside the body. Never set together with `thin`.
   float ior = 1.5f;       ///< Index of refraction of the body; at least 1.
   float specular = 1.0f;  ///< Scales the body's reflectance.
   float coat = 0.0f;      ///< Coated share of the surface.
   float coat_alpha = 0.0f;
-  Vec3 coat_normal = Vec3::Zero();  ///< On the viewer's side; zero selects the surface's own.
+  Vec3 coat_normal = Vec3::Zero();  ///< On the viewer's side; zero selects the surface's normal.
 };
 
-/// Lower bound of a lobe's width, below which it is a mirror: neither float directions nor real lamps resolve it.
+/// Minimum width of a lobe. Narrower lobes are mirrors, because neither float directions nor real lamps resolve them.
 inline constexpr float kMinAlpha = 1e-3f;
 
 [[nodiscard]] inline float alpha_of(float roughness) {
@@ -56,7 +56,8 @@ inline constexpr float kMinAlpha = 1e-3f;
   return bsdf;
 }
 
-/// Sets glTF's reflectance of a dielectric. For an ior near 1 it vanishes at grazing angles too, unlike Schlick's fit.
+/// Sets the reflectance of a dielectric as glTF defines it. If `ior` is near 1, the reflectance vanishes at grazing
+/// angles too, unlike Schlick's approximation.
 inline void set_dielectric(float ior, float specular, const Vec3& specular_colour, Bsdf* bsdf) {
   const float root = (ior - 1.0f) / (ior + 1.0f);
   const float f0 = root * root;
@@ -67,7 +68,7 @@ inline void set_dielectric(float ior, float specular, const Vec3& specular_colou
   bsdf->specular = specular;
 }
 
-/// glTF's metallic-roughness model without extensions.
+/// Returns the material of glTF's metallic-roughness model without extensions.
 [[nodiscard]] inline Bsdf make_glossy(const Vec3& base_colour, float metallic, float roughness) {
   Bsdf bsdf;
   bsdf.base_colour = base_colour;
@@ -77,8 +78,8 @@ inline void set_dielectric(float ior, float specular, const Vec3& specular_colou
   return bsdf;
 }
 
-/// Returns the material at a point. `inside`: the ray hit the triangle's back, as given by its winding. `level` is the
-/// level of the kernel; properties above it are ignored.
+/// Returns the material at a point. `inside` means that the ray hit the triangle's back, as given by its winding.
+/// `level` is the kernel's; properties of higher levels are ignored.
 [[nodiscard]] inline Bsdf make_bsdf(const scene::Material& material, const SurfaceTexels& texels, bool inside,
                                     SurfaceLevel level) {
   const auto unit = [](float value) { return std::clamp(value, 0.0f, 1.0f); };
@@ -98,13 +99,13 @@ inline void set_dielectric(float ior, float specular, const Vec3& specular_colou
   return bsdf;
 }
 
-/// Returns true if rays continue within the body.
+/// Returns true if the material encloses a body, inside which transmitted rays continue.
 [[nodiscard]] inline bool encloses_body(const scene::Material& material) {
   return material.transmission > 0.0f && material.thickness > 0.0f;
 }
 
-/// Returns the absorption per metre inside the body: exp(-absorption * metres) is transmitted. Finite; zero if nothing
-/// is absorbed.
+/// Returns the absorption per metre inside the body: exp(-absorption * metres) is transmitted. The result is finite,
+/// and zero if nothing is absorbed.
 [[nodiscard]] inline Vec3 absorption_of(const scene::Material& material) {
   const float distance = material.attenuation_distance;
   if (!encloses_body(material) || !(distance > 0.0f) || !std::isfinite(distance)) return Vec3::Zero();

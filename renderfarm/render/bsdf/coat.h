@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// KHR_materials_clearcoat: a colourless lobe of index 1.5 on top, and the attenuation of the layers below it.
+/// KHR_materials_clearcoat: a colourless top lobe with an index of refraction of 1.5, and the attenuation of the layers
+/// below it.
 ///
 /// The extension attenuates the layers below by the viewer's angle alone; here the attenuation is reciprocal. For wide
-/// lobes below, it is the product for both angles over the mean; for narrow lobes, whose light leaves at the angle at
-/// which it came, the smaller of the two.
+/// lobes below the coat, it is the product of the attenuations at both angles, divided by their mean over the
+/// hemisphere. For narrow lobes, whose two angles are nearly equal, it is the smaller of both attenuations.
 #pragma once
 
 #include "renderfarm/render/bsdf/albedo_table.h"
@@ -13,7 +14,8 @@
 
 namespace cyclorama::render {
 
-/// A clear coat. Directions are in the surface's frame, not local. From inside a body it only attenuates. Thread-bound.
+/// A clear coat. Directions are in the frame of `normal`, not in the local frame of the surface. Seen from inside a
+/// body, the coat only attenuates. Thread-bound.
 class Coat {
  public:
   Coat(const Bsdf& bsdf, const Vec3& normal, const Vec3& wo)
@@ -37,7 +39,7 @@ class Coat {
   [[nodiscard]] bool is_mirror() const { return mirror_; }
   /// Returns the share that the coat reflects under uniform illumination.
   [[nodiscard]] float albedo() const { return faces_ ? 1.0f - kept_ : 0.0f; }
-  /// Returns the attenuation of a narrow lobe below, from wo to wi.
+  /// Returns the attenuation of a narrow lobe below the coat, from wo to wi.
   [[nodiscard]] float narrow(const Vec3& wi) const { return shines_ ? std::min(kept_, kept(cosine(wi))) : 1.0f; }
   [[nodiscard]] float wide(const Vec3& wi) const {
     return shines_ ? kept_ * kept(cosine(wi)) / std::max(1e-6f, mean_kept_) : 1.0f;
@@ -50,7 +52,7 @@ class Coat {
   /// Returns an approximate mean of narrow() and wide().
   [[nodiscard]] float left() const { return shines_ ? kept_ : 1.0f; }
 
-  /// Returns BRDF times cosine, excluding mirrors.
+  /// Returns the BRDF times the cosine of `wi`; zero if the coat is a mirror.
   [[nodiscard]] float evaluate(const Vec3& wi) const {
     if (!faces_ || mirror_) return 0.0f;
     const Vec3 local = frame_.to_local(wi);
@@ -82,8 +84,8 @@ class Coat {
   Frame frame_;
   Vec3 wo_;
   bool mirror_;
-  bool shines_;         ///< Seen from outside a body.
-  bool faces_ = false;  ///< Also seen from above its own normal.
+  bool shines_;         ///< The coat is seen from outside a body.
+  bool faces_ = false;  ///< The coat is also seen from the side of its own normal.
   Microfacets facets_;
   AlbedoRow row_;
   float kept_ = 1.0f;

@@ -16,9 +16,9 @@ namespace cyclorama::render {
 /// The mean of f0 + (f90 - f0) * schlick over a cosine-weighted hemisphere.
 inline constexpr float kMeanSchlick = 1.0f / 21.0f;
 
-/// Returns the unpolarised Fresnel reflectance. `eta` is the index of refraction beyond the surface over that before
-/// it; `cosine` > 0 is the incident one. Under total reflection it returns 1 and sets ret_cosine (beyond the surface)
-/// to 0.
+/// Returns the unpolarised Fresnel reflectance and sets `ret_cosine` to the cosine of the refracted direction. `eta` is
+/// the index of refraction beyond the surface divided by the index before it; `cosine` > 0 is the cosine of the
+/// incident direction. Under total reflection the results are 1 and 0.
 [[nodiscard]] inline float dielectric_reflectance(float cosine, float eta, float* ret_cosine) {
   const float sine2 = std::max(0.0f, 1.0f - cosine * cosine) / (eta * eta);
   *ret_cosine = 0.0f;

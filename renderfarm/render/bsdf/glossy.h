@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Scattering of opaque surfaces: a GGX lobe and a wide one.
+/// Scattering of opaque surfaces: a GGX lobe and a wide lobe.
 #pragma once
 
 #include "renderfarm/render/bsdf/microfacet.h"
@@ -83,7 +83,8 @@ class Scattering<SurfaceLevel::kGlossy> {
   float more_chance_ = 0.0f;
 };
 
-/// The glossy lobe alone, with the functions of Scattering; the rest is wide_albedo(). Borrows `whole`.
+/// The glossy lobe alone, with the functions of Scattering; wide_albedo() is the albedo of the other lobes. Borrows
+/// `whole`.
 class GlossyLobe {
  public:
   explicit GlossyLobe(const Scattering<SurfaceLevel::kGlossy>& whole) : s_(whole) {}

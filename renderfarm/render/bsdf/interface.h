@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The facets of a transmissive surface, which reflect or transmit. Local frame of the surface.
+/// Microfacets of a transmissive surface, which reflect or transmit light. Vectors are in the surface's local frame.
 ///
-/// Thin: a sheet of glass so thin that light leaves in the direction in which it came; roughness blurs it as it blurs
-/// the reflection (KHR_materials_transmission). Body (KHR_materials_volume): Snell's law (Walter et al. 2007).
+/// A thin surface (KHR_materials_transmission) is a sheet of glass that does not change the direction of light;
+/// roughness blurs transmitted light as it blurs reflected light. A body (KHR_materials_volume) refracts light by
+/// Snell's law (Walter et al. 2007).
 #pragma once
 
 #include "renderfarm/render/bsdf/microfacet.h"
@@ -10,7 +11,7 @@
 
 namespace cyclorama::render {
 
-/// Reflectance and transmittance of a facet, by colour.
+/// Reflectance and transmittance of a facet, per colour channel.
 struct FacetShare {
   Vec3 mirrored = Vec3::Zero();
   Vec3 passed = Vec3::Zero();
@@ -31,7 +32,7 @@ struct FacetTurn {
   float jacobian = 0.0f;  ///< Solid angle of h per solid angle of wi. Zero if no facet causes this change.
 };
 
-/// The reflection and transmission of facets for one material. Thread-bound.
+/// Reflection and transmission of the facets of one material. Thread-bound.
 class Interface {
  public:
   Interface(const Bsdf& bsdf, const OpaqueBase& base)
@@ -43,7 +44,7 @@ class Interface {
         thin_f90_(bsdf.f90),
         body_(!bsdf.thin && part_ > 0.0f),
         eta_(bsdf.inside ? 1.0f / bsdf.ior : bsdf.ior) {
-    constexpr float kMinIorContrast = 1e-3f;  // Below it, Snell's law exceeds float's precision.
+    constexpr float kMinIorContrast = 1e-3f;  // Below it, Snell's law needs more precision than float has.
     straight_ = body_ && bsdf.ior < 1.0f + kMinIorContrast;
     const float root = (bsdf.ior - 1.0f) / (bsdf.ior + 1.0f);
     plain_f0_ = root * root;
@@ -72,8 +73,8 @@ class Interface {
       share.mirrored += Vec3::Constant(part_);
       return share;
     }
-    // The exact Fresnel curve replaces Schlick's fit between glTF's f0 and f90, so that an ior of 1 has no effect at
-    // all.
+    // The exact Fresnel curve replaces Schlick's fit between glTF's f0 and f90, so that a body with an ior of 1 is
+    // invisible.
     const float grazing = plain_f0_ < 0.9999f ? std::clamp((plain - plain_f0_) / (1.0f - plain_f0_), 0.0f, 1.0f) : 1.0f;
     const Vec3 reflectance = f0_ * (1.0f - grazing) + Vec3::Constant(f90_ * grazing);
     share.mirrored += reflectance * part_;
@@ -99,7 +100,7 @@ class Interface {
     if (sum != 0.0f) turn.jacobian = -i_h / (sum * sum);
     return turn;
   }
-  /// Returns the direction in which a facet transmits.
+  /// Returns the direction in which a facet transmits light.
   [[nodiscard]] Vec3 pass(const Vec3& wo, const Vec3& h, const FacetShare& share) const {
     const float o_h = wo.dot(h);
     if (body_) return normalized_or((o_h / eta_ - share.beyond) * h - wo / eta_, -wo);

@@ -25,7 +25,8 @@ class Scattering<SurfaceLevel::kLayered> {
         wide_(bsdf, base_, interface_, wo_.z()),
         coat_(bsdf, normal, wo) {
     if (coat_.part() > 0.0f && !mirror_) {
-      // A rough coat reflects more evenly; the factor was measured on white metals of all widths.
+      // A rough coat reflects more evenly than a smooth one; the factor fits measurements of white metals with lobes of
+      // all widths.
       const float part = coat_.part() * (1.0f - std::sqrt(bsdf.coat_alpha));
       const float seen = base_.bounce(wo_.z()).darker * part;
       under_coat_ = base_.mean_facet() * share(seen, base_.mean_bounce().darker);
@@ -43,7 +44,7 @@ class Scattering<SurfaceLevel::kLayered> {
     for (float& chance : chances_) chance = sum > 0.0f ? chance / sum : 0.0f;
   }
 
-  // Neither copied nor moved, because its parts refer to each other.
+  // It cannot be copied or moved, because its parts refer to each other.
   Scattering(const Scattering&) = delete;
   Scattering& operator=(const Scattering&) = delete;
 
@@ -76,8 +77,8 @@ class Scattering<SurfaceLevel::kLayered> {
     return weighed(wi, frame_.from_local(wi));
   }
 
-  /// Returns the part of the light from straight behind that goes on to the viewer as if nothing were there; light that
-  /// a rough or refracting surface transmits is not part of it.
+  /// Returns the share of the light from directly behind the surface that reaches the viewer without a change of
+  /// direction; excludes light that a rough or refracting surface transmits.
   [[nodiscard]] Vec3 straight() const {
     if (!interface_.passes()) return Vec3::Zero();
     const Vec3 wi = frame_.from_local(-wo_);
@@ -96,7 +97,8 @@ class Scattering<SurfaceLevel::kLayered> {
  private:
   enum Lobe { kCoat, kFacets, kDiffuse, kUp, kDown, kStraight, kLobes };
 
-  /// Returns the share of the surface with the gloss of an opaque one; bodies reflect through their interface instead.
+  /// Returns the share of the surface that has the gloss of an opaque dielectric; bodies reflect light through
+  /// Interface instead.
   [[nodiscard]] static float opaque_dielectric(const Bsdf& bsdf) {
     return (1.0f - bsdf.metallic) * (bsdf.thin ? 1.0f : 1.0f - bsdf.transmission);
   }
@@ -201,7 +203,7 @@ class Scattering<SurfaceLevel::kLayered> {
   Interface interface_;
   WideGlass wide_;
   Coat coat_;
-  // Energy that Coat::narrow() removes in excess, returned as a wide lobe.
+  // Light that Coat::narrow() removes in excess; it is added back as a wide lobe.
   Vec3 under_coat_ = Vec3::Zero();
   Vec3 under_coat_albedo_ = Vec3::Zero();
   std::array<float, kLobes> chances_{};

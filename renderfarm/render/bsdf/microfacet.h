@@ -24,7 +24,7 @@ class Frame {
 };
 
 /// A lobe above the surface for light that bounced several times between facets of width `alpha`. A single bounce loses
-/// about alpha² / (cos² + alpha²), and the pdf over the cosine is proportional to cos times that.
+/// about alpha² / (cos² + alpha²), and the pdf is proportional to this loss times the cosine.
 class GrazingLobe {
  public:
   explicit GrazingLobe(float alpha)
@@ -62,7 +62,8 @@ class Microfacets {
     const float d = h.x() * h.x() + h.y() * h.y() + alpha2_ * h.z() * h.z();
     return d > 0.0f ? alpha2_ / (kPi * d * d) : 0.0f;
   }
-  /// Returns masking and shadowing over 4 times both cosines (Heitz 2014, equation 99); the cosines are positive.
+  /// Returns the masking-shadowing function divided by 4 times both cosines (Heitz 2014, equation 99). Precondition:
+  /// both cosines are positive.
   [[nodiscard]] float visibility(float cos_i) const { return 0.5f / (cos_i * root_ + wo_.z() * root(cos_i)); }
 
   /// Samples a normal visible from wo. With `bounded`, nearly all samples mirror wo to a direction above the surface.

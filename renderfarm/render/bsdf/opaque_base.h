@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// glTF's opaque surface: a metal, or Lambertian reflection under a dielectric's gloss, or a mixture of both.
 ///
-/// This extends appendix B of glTF 2.0, which loses light on rough surfaces: light that bounces on between the facets
-/// leaves as a wide lobe (Kulla and Conty 2017), and light that passes the gloss both ways is normalised in the same
-/// manner, so that white stays white and the BRDF is reciprocal.
+/// This extends appendix B of glTF 2.0, which loses light on rough surfaces. Here, light that bounces several times
+/// between the facets leaves as a wide lobe (Kulla and Conty 2017). Light that passes through the gloss in both
+/// directions is normalised in the same manner, so that white surfaces stay white and the BRDF is reciprocal.
 #pragma once
 
 #include "renderfarm/render/bsdf/albedo_table.h"
@@ -24,11 +24,12 @@ namespace cyclorama::render {
 /// Returns f(o) / mean(f), the factor of a lobe f(o) f(i) / mean(f) that depends on the viewer alone.
 [[nodiscard]] inline float share(float here, float mean) { return mean > 0.0f ? here / mean : 0.0f; }
 
-/// The glossy lobe's colour, and everything else as one wide lobe. Thread-bound.
+/// An opaque surface seen from one direction: the colour of its glossy lobe, and all other reflection as one wide lobe.
+/// Thread-bound.
 class OpaqueBase {
  public:
-  /// `dielectric` and `diffuse` are the shares of the surface with a dielectric's gloss and with Lambertian reflection
-  /// below.
+  /// `dielectric` and `diffuse` are the shares of the surface that have a dielectric's gloss and Lambertian reflection
+  /// below it.
   OpaqueBase(const Bsdf& bsdf, float cos_o, float dielectric, float diffuse)
       : row_(bsdf.alpha),
         f0_(bsdf.f0 * dielectric + bsdf.base_colour * bsdf.metallic),
@@ -54,12 +55,12 @@ class OpaqueBase {
     diffuse_ *= share(under, 1.0f - reflected(mean));
   }
 
-  /// Returns the facets' reflectance; `o_h` is the cosine at a facet.
+  /// Returns the reflectance of a facet; `o_h` is the cosine between the viewer's direction and the facet's normal.
   [[nodiscard]] Vec3 facet(float o_h) const {
     const float grazing = schlick(o_h);
     return f0_ * (1.0f - grazing) + Vec3::Constant(f90_ * grazing);
   }
-  /// Returns the wide lobe times pi, without the cosine. Zero for cosines of 0.
+  /// Returns the wide lobe times pi, without the cosine. The result is zero if `cos_i` is 0.
   [[nodiscard]] Vec3 wide(float cos_i) const {
     const BounceAlbedo lit = row_.at(cos_i);
     return more_ * lit.lost + diffuse_ * std::max(0.0f, 1.0f - reflected(lit));
@@ -67,7 +68,7 @@ class OpaqueBase {
   /// Returns the albedo of one bounce off facets of this roughness.
   [[nodiscard]] BounceAlbedo bounce(float cosine) const { return row_.at(cosine); }
   [[nodiscard]] BounceAlbedo mean_bounce() const { return row_.mean(); }
-  /// Returns the share of lost light that the dielectric's gloss recovers in further bounces.
+  /// Returns the share of BounceAlbedo::lost that the dielectric's gloss reflects in further bounces.
   [[nodiscard]] float gloss_more() const { return gloss_more_; }
   /// Returns the dielectric's reflectance for a single bounce.
   [[nodiscard]] float gloss_once(const BounceAlbedo& a) const { return gloss_f0_ * a.low + gloss_f90_ * a.high; }

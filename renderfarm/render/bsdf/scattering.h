@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The interface of Scattering at every level, and its matte specialisation.
 ///
-/// A surface seen from `wo`. All directions are unit vectors that point away from it; `normal` is the shading normal on
-/// wo's side. The caller checks on which side of the triangle itself a direction is. Reentrant.
+/// A Scattering describes a surface seen from `wo`. All directions are unit vectors that point away from the surface;
+/// `normal` is the shading normal on the side of `wo`. The caller checks on which side of the triangle a direction is.
+/// Reentrant.
 ///
-/// The transported quantity is radiance over the square of the index of refraction. It does not change where light
-/// enters or leaves a body, so white glass under uniform illumination is white. Eyes and lamps in air see no
-/// difference.
+/// The transported quantity is radiance over the square of the index of refraction. This quantity does not change where
+/// light enters or leaves a body, so white glass under uniform illumination is white. In air it equals radiance.
 #pragma once
 
 #include "renderfarm/render/bsdf/bsdf.h"
@@ -16,9 +16,10 @@ namespace cyclorama::render {
 /// A sampled direction of incident light.
 struct ScatterSample {
   Vec3 wi = Vec3::UnitZ();
-  Vec3 weight = Vec3::Zero();  ///< BSDF times cosine over pdf. Zero: absorbed; the other fields are then undefined.
+  /// BSDF times cosine over pdf. If zero, light is absorbed and the other fields are undefined.
+  Vec3 weight = Vec3::Zero();
   float pdf = 0.0f;            ///< Scattering::pdf(wi); 0 for a mirror or clear glass, which evaluate() excludes.
-  bool through = false;        ///< wi is on the other side of the surface.
+  bool through = false;        ///< `wi` is on the side opposite to the viewer's.
 };
 
 template <SurfaceLevel kLevel>

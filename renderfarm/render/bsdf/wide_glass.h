@@ -27,7 +27,7 @@ class WideGlass {
     const float here = glass_->mean(inside_);
     const float there = glass_->mean(!inside_);
     if (!(here > 0.0f) || !(there > 0.0f)) return;
-    // Distributed such that the lobe is reciprocal except for the square of the index of refraction.
+    // This distribution makes the lobe reciprocal, except for the square of the index of refraction.
     const float eta2 = interface.eta() * interface.eta();
     const float passed = eta2 * there / (here + eta2 * there);
     up_albedo_ = interface.part() * (1.0f - passed) * lost;

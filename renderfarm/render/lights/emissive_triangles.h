@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Emissive triangles as lights: those of meshes with an emissive material, once for each placement.
+/// Emissive triangles as lights: the triangles of meshes with an emissive material, once for each placement.
 #pragma once
 
 #include <cstdint>
@@ -18,23 +18,23 @@ struct TriangleHit;
 /// alpha.
 [[nodiscard]] Vec3 emitted_radiance(const TriangleHit& hit);
 
-/// The emissive triangles of a scene. A value; queries are thread-safe. Borrows the placements that it was made of,
-/// which must neither move nor change.
+/// The emissive triangles of a scene. A value; queries are thread-safe. Borrows the placements from which it was made;
+/// they must neither move nor change.
 ///
-/// Sampling covers a triangle's front, where its corners run counter-clockwise, and both sides for a double-sided
-/// material. Backs of other triangles emit as well but are not sampled. Triangles whose texture is black at all
-/// positions checked are left out likewise; rays that hit them by chance still see their emission.
+/// Sampling covers a triangle's front, from which its corners appear counter-clockwise, and also its back if the
+/// material is double-sided. Other backs emit light as well but are not sampled, nor are triangles whose texture is
+/// black at all positions checked; rays that hit them still see their emission.
 class EmissiveTriangles {
  public:
   EmissiveTriangles() = default;
   explicit EmissiveTriangles(const std::vector<Placement>& placements);
 
   [[nodiscard]] std::size_t size() const { return triangles_.size(); }
-  /// Returns the number of a placement's triangle among these; -1 if it is not included.
+  /// Returns the number of a placement's triangle among the emissive triangles; -1 if it is not one of them.
   [[nodiscard]] int find(unsigned placement, unsigned primitive) const;
   [[nodiscard]] LightBounds bounds(std::size_t triangle) const;
 
-  /// Samples a position; returns false if `u` gives no light. Near triangles are sampled uniformly in solid angle,
+  /// Samples a position; returns false if `u` leads to no light. Near triangles are sampled uniformly in solid angle,
   /// others by area. Source: Arvo, "Stratified Sampling of Spherical Triangles", 1995.
   [[nodiscard]] bool sample(std::size_t triangle, const Vec3& p, const Vec2& u, LightSample* ret_sample) const;
   /// Returns the pdf of sample() for a ray from `p` that hit the triangle after `distance`.

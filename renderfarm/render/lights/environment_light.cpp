@@ -35,7 +35,8 @@ float bilinear(const std::array<float, 4>& corners, float x, float y) {
   return top + y * (bottom - top);
 }
 
-/// Bounds of the rows of cells between texel centres, in units of v; the first and the last row are half as high.
+/// row_top() and row_bottom() return the bounds of a row of cells between texel centres, in units of v. The first and
+/// the last row are half as high as the others.
 float row_top(int row, int height) {
   return std::max(0.0f, (static_cast<float>(row) - 0.5f) / static_cast<float>(height));
 }

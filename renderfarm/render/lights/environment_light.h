@@ -17,23 +17,24 @@ namespace cyclorama::render {
 /// The map is divided into cells whose corners are texel centres, such that radiance is bilinear in (u, v) within each.
 /// A cell is chosen by its power, descending a pyramid of sums (Clarberg et al., "Wavelet Importance Sampling", 2005),
 /// which keeps neighbouring samples together; a position within it is chosen in proportion to the bilinear luminance.
-/// The pdf is thus zero only where there is no light. The gradient sky is smooth: its pdf is that of the surface's
-/// cosine, which renders matte surfaces in the open without noise, or proportional to luminance for both sides.
+/// The pdf is thus zero only where there is no light. The gradient sky is smooth: the pdf is proportional to the cosine
+/// at the surface, which gives matte surfaces in the open hardly any noise, or to luminance if the surface is lit from
+/// both sides.
 class EnvironmentLight {
  public:
-  EnvironmentLight() = default;  ///< Dark.
-  /// The sky shines if `map` is null, otherwise the map alone.
+  EnvironmentLight() = default;  ///< Creates an environment without light.
+  /// The light comes from `sky` if `map` is null, otherwise from the map alone.
   EnvironmentLight(const scene::Sky& sky, std::shared_ptr<const scene::EnvironmentMap> map);
 
   [[nodiscard]] bool shines() const { return shines_; }
   [[nodiscard]] Vec3 radiance(const Vec3& direction) const;
-  /// Samples a direction for a surface with normal `n`; zero stands for both sides. Returns false if `u` leads to black
-  /// only. Precondition: shines().
+  /// Samples a direction for a surface with normal `n`; a zero `n` is a surface lit from both sides. Returns false if
+  /// `u` leads to no light. Precondition: shines().
   [[nodiscard]] bool sample(const Vec3& n, const Vec2& u, LightSample* ret_sample) const;
   /// Returns the pdf of sample() per steradian.
   [[nodiscard]] float pdf(const Vec3& n, const Vec3& direction) const;
   /// Returns an estimate of the irradiance (luminance) on an unshadowed surface with normal `n`; a zero `n` gathers
-  /// light from all directions. Positive wherever light comes from that side.
+  /// light from all directions. The result is positive if any light comes from that side.
   [[nodiscard]] float estimate(const Vec3& n) const;
 
  private:

@@ -7,15 +7,15 @@
 namespace cyclorama::render {
 namespace {
 
-/// Distance, in half diagonals, beyond which a rectangle is sampled by area. The pdf then differs by less than 1 % from
-/// uniform in solid angle, except for the cosine, at a third of the time.
+/// Distance, in half diagonals, beyond which a rectangle is sampled by area. Apart from the cosine, the pdf then
+/// differs by less than 1 % from one that is uniform in solid angle, and sampling takes a third of the time.
 constexpr double kFarHalfDiagonals = 16.0;
-/// The same for disks, in radii. It is smaller, because solid-angle sampling of the bounding square misses the disk
-/// with 1 - pi/4 of its samples.
+/// Distance, in radii, beyond which a disk is sampled by area. It is smaller than for rectangles, because solid-angle
+/// sampling of the bounding square misses the disk with 1 - pi/4 of its samples.
 constexpr double kFarRadii = 4.0;
 
 /// The light's rectangle (for a disk, its bounding square) as seen from p: its corners (x, y) in its own plane, at
-/// distance z > 0. Double, because the solid angle is a difference.
+/// distance z > 0. Uses double, because the solid angle is a difference of larger angles.
 struct View {
   double x0 = 0.0;
   double x1 = 0.0;
@@ -41,8 +41,8 @@ View view_of(const FlatLight& light, const Vec3& p) {
 ///
 /// The inner angles of the spherical rectangle are the arguments of four complex numbers, computed from the normals of
 /// the planes through p and an edge (Ureña et al., equation 4 with the square roots multiplied out, so that nothing
-/// cancels). Their sum minus 2 pi is the solid angle. It is read off the product of the numbers, with one arctangent
-/// instead of four arccosines.
+/// cancels). Their sum minus 2 pi is the solid angle. It is computed from the product of the numbers, with one
+/// arctangent instead of four arccosines.
 struct SolidAngle {
   double value = 0.0;
   double cos_k = 1.0;  ///< Cosine of the paper's k.
@@ -51,7 +51,7 @@ struct SolidAngle {
 
 using Complex = std::complex<double>;
 
-Complex product(const Complex& a, const Complex& b) {  // Faster than that of std::complex, which handles infinities.
+Complex product(const Complex& a, const Complex& b) {  // Faster than std::complex's operator, which handles infinities.
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
@@ -79,7 +79,7 @@ struct Place {
   double y = 0.0;
 };
 
-/// Samples by solid angle. Source: Ureña et al., section 4.
+/// Returns a position sampled by solid angle. Source: Ureña et al., section 4.
 Place place_by_solid_angle(const View& v, const SolidAngle& angle, const Vec2& u) {
   const double turn = static_cast<double>(u.x()) * angle.value;
   const double cos_turn = std::cos(turn);
@@ -105,7 +105,7 @@ Place place_by_solid_angle(const View& v, const SolidAngle& angle, const Vec2& u
   return {x, std::clamp(y, v.y0, v.y1)};
 }
 
-/// Returns Shirley and Chiu's concentric map of the square to the disk, which keeps neighbours together.
+/// Maps the unit square to the unit disk by Shirley and Chiu's concentric map, which keeps neighbours together.
 Vec2 on_unit_disk(const Vec2& u) {
   const Vec2 s = 2.0f * u - Vec2::Ones();
   if (s.isZero(0.0f)) return Vec2::Zero();

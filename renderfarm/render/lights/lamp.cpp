@@ -6,11 +6,11 @@
 namespace cyclorama::render {
 namespace {
 
-/// Squared sine of the half angle below which a sphere is treated as a point, because its cap exceeds float's
+/// Squared sine of the half angle below which a sphere is treated as a point, because its cap is too small for float's
 /// precision.
 constexpr float kMinSine2 = 1e-12f;
 
-/// The lamp's sphere as seen from a point outside.
+/// The lamp's sphere as seen from a point.
 struct SphereView {
   Vec3 to_centre = Vec3::UnitY();
   float distance = 0.0f;
@@ -115,7 +115,8 @@ float lamp_pdf(const Lamp& lamp, const Vec3& p) {
 Vec3 lamp_radiance(const Lamp& lamp, const Vec3& p) {
   if (!(lamp.radius > 0.0f)) return Vec3::Zero();
   const SphereView view = view_of(lamp, p);
-  // A sphere that is sampled as a point is fully counted there, so a ray that hits it adds nothing.
+  // Light sampling accounts for all the light of a sphere that it treats as a point, so a ray that hits the sphere adds
+  // nothing.
   if (!view.inside && !(view.sine2 > 0.0f)) return Vec3::Zero();
   const Vec3 shining = view.inside ? lamp.intensity : intensity_towards(lamp, view);
   return shining / (kPi * lamp.radius * lamp.radius);

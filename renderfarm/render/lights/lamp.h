@@ -14,25 +14,26 @@ struct Lamp {
   Vec3 axis = Vec3(0.0f, -1.0f, 0.0f);  ///< Direction of emission.
   Vec3 intensity = Vec3::Zero();        ///< Candela; lux for directional lamps.
   float power = 0.0f;                   ///< Luminance of the intensity.
-  float radius = 0.0f;                  ///< Point and spot, metres.
-  float inverse_range = 0.0f;           ///< 1/m; 0: unlimited.
-  float cos_outer = -1.0f;              ///< Spot only.
+  float radius = 0.0f;                  ///< Point and spot: radius of the sphere in metres.
+  float inverse_range = 0.0f;           ///< Inverse of the range, in 1/m; 0 for no limit.
+  float cos_outer = -1.0f;              ///< Spot: cosine of the outer cone's half angle.
   float inverse_cone = 1.0f;            ///< Spot: 1 / (cos inner - cos outer).
   float one_minus_cos_disc = 0.0f;      ///< Directional: 1 - cosine of the disc's angular radius.
   float sin_disc = 0.0f;                ///< Directional: sine of the disc's angular radius.
-  bool visible = false;                 ///< Rays can hit it.
+  bool visible = false;                 ///< Rays can hit the lamp.
 };
 
 /// Lower bound of distances, in metres, that keeps the light of point lamps finite.
 inline constexpr float kMinLampDistance = 1e-3f;
 
-/// `light` is a point, spot or directional light; the lamp's position is relative to `origin`.
+/// Returns the lamp in the render frame, whose origin is `origin`. Precondition: `light` is a point, spot or
+/// directional light.
 [[nodiscard]] Lamp make_lamp(const scene::Light& light, const Eigen::Vector3d& origin);
-/// Returns true if the lamp emits light, with finite parameters.
+/// Returns true if the lamp has finite parameters and emits light.
 [[nodiscard]] bool is_lit(const Lamp& lamp);
 
 /// Samples a position on the lamp, uniform in solid angle as seen from `p`; for a directional lamp, a direction within
-/// its disc. From inside a sphere, its surface shines from all directions.
+/// its disc. If `p` is inside the lamp's sphere, light comes from all directions.
 [[nodiscard]] LightSample sample_lamp(const Lamp& lamp, const Vec3& p, const Vec2& u);
 /// Returns the pdf of sample_lamp() for a ray that hit the lamp.
 [[nodiscard]] float lamp_pdf(const Lamp& lamp, const Vec3& p);

@@ -11,7 +11,7 @@ void DirectionCone::extend(const DirectionCone& other) {
     *this = other;
     return;
   }
-  constexpr float kRounding = 1e-6f;  // In radians, so that enclosed directions stay enclosed.
+  constexpr float kRounding = 1e-6f;  // Radians that keep enclosed directions enclosed.
   const DirectionCone& wide = cosine <= other.cosine ? *this : other;
   const DirectionCone& narrow = cosine <= other.cosine ? other : *this;
   if (wide.axis == narrow.axis) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Bounds of a group of lights in position, direction and power, by which groups are chosen.
+/// Bounds of a group of lights in position, direction and power, used to choose among groups.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 
 namespace cyclorama::render {
 
-/// A cone of directions: all within the angle whose cosine is `cosine`. 1: only `axis`; -1: all.
+/// A cone of directions around `axis`. `cosine` is that of its half angle: 1 for the axis alone, -1 for all directions.
 struct DirectionCone {
   Vec3 axis = Vec3::UnitY();
-  float cosine = 2.0f;  ///< Above 1: the empty cone.
+  float cosine = 2.0f;  ///< Greater than 1 for the empty cone.
 
   [[nodiscard]] bool empty() const { return cosine > 1.0f; }
   void extend(const DirectionCone& other);
@@ -26,7 +26,7 @@ struct LightBounds {
   DirectionCone normals;       ///< Normals of the emitting surfaces.
   float cos_emission = 1.0f;   ///< Cosine of the greatest emission angle from a normal: 0 for surfaces.
   float power = 0.0f;          ///< Candela (luminance) along the normal; for a group, the sum.
-  float inverse_range = 0.0f;  ///< 1/m, of the longest range in the group; 0: unlimited.
+  float inverse_range = 0.0f;  ///< Inverse of the longest range, in 1/m; 0 for no limit.
 
   void extend(const LightBounds& other);
   [[nodiscard]] Vec3 centre() const { return 0.5f * low + 0.5f * high; }

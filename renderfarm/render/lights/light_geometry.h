@@ -14,7 +14,8 @@ namespace cyclorama::render {
 ///
 ///     if (lamps.holds(hit.geomID)) light = lamps.light_of(hit.geomID, hit.primID);
 ///
-/// Check holds() before instances: a lamp is in the top-level scene itself, with hit.instID[0] invalid.
+/// Check holds() before a hit is taken for a placement: a lamp is in the top-level scene itself, with hit.instID[0]
+/// invalid.
 class LampGeometries {
  public:
   [[nodiscard]] bool holds(unsigned geometry) const { return geometry >= first_ && geometry - first_ < kShapes; }
@@ -31,8 +32,8 @@ class LampGeometries {
 };
 
 /// Adds the visible lamps of `lights` to `top`, before it is committed, as up to three geometries with ids from
-/// `first`; the placements have lower ids. The geometries have no user data and no filters. Errors remain in the
-/// device.
+/// `first`; the placements have lower ids. The geometries have no user data and no filters. Errors are left in
+/// `device`, for the caller to check.
 [[nodiscard]] LampGeometries attach_lamps(const LightSet& lights, unsigned first, RTCDevice device, RTCScene top);
 
 }  // namespace cyclorama::render

@@ -10,7 +10,7 @@ class LightLanes {
  public:
   using Four = Eigen::Array4f;
 
-  LightLanes();  ///< Dark.
+  LightLanes();  ///< Creates four lights that emit nothing.
   /// Sets one light; `lane` is in [0, 4).
   void set(std::size_t lane, const LightBounds& light);
   /// Returns an approximate upper bound of each light's irradiance (luminance); zero only where it cannot shine. A zero
@@ -19,8 +19,8 @@ class LightLanes {
 
  private:
   Four x_, y_, z_, radius_;        ///< Bounding sphere of the light.
-  Four axis_x_, axis_y_, axis_z_;  ///< Zero: emits in all directions.
-  Four cos_edge_;                  ///< Cosine of the limit of emission; -1: all directions.
+  Four axis_x_, axis_y_, axis_z_;  ///< Zero if the light emits in all directions.
+  Four cos_edge_;                  ///< Cosine of the greatest emission angle; -1 for all directions.
   Four slope_;                     ///< 1 / (1 - cos_edge)
   Four power_;
   Four inverse_range_;

@@ -13,9 +13,9 @@ namespace cyclorama::render {
 /// A list of up to kMaxListedLights lights. A value; queries are thread-safe.
 class LightList {
  public:
-  /// Maximum number of lights; the tree is better beyond it. Measured with points in a box of 20 m: time of the choice
-  /// in ns (a shadow ray costs some 200 ns), and variance that the choice alone adds to the estimate, relative to its
-  /// square:
+  /// Maximum number of lights; the tree is better beyond it. Measured with point lights in a box of 20 m: the time of a
+  /// choice in ns (a shadow ray takes about 200 ns), and the variance that the choice alone adds to the estimate,
+  /// relative to the square of the estimate:
   ///
   ///     lights      16      32      64      128     256     variance
   ///     list        61      109     187     352     673     0
@@ -28,13 +28,15 @@ class LightList {
     float sum = 0.0f;
   };
 
-  /// Precondition: size() < kMaxListedLights.
+  /// Adds a light. Precondition: size() < kMaxListedLights.
   void add(const LightBounds& light);
   [[nodiscard]] std::size_t size() const { return size_; }
 
-  /// Estimates each light; zero only if it cannot shine. A zero `n` is a surface lit from both sides.
+  /// Estimates each light; an estimate is zero only if the light cannot shine. A zero `n` is a surface lit from both
+  /// sides.
   void estimate(const Vec3& p, const Vec3& n, Estimates* ret_estimates) const;
-  /// Returns the light's index, or -1 if none can shine.
+  /// Chooses a light with a probability proportional to its estimate. Returns the light's index, or -1 if none can
+  /// shine.
   [[nodiscard]] int choose(const Estimates& estimates, const Choice& choice, float* ret_probability) const;
 
  private:

@@ -10,8 +10,8 @@ namespace cyclorama::render {
 namespace {
 
 /// Share of the probability that is divided evenly among the kinds of light that shine. Estimates ignore occlusion, and
-/// the sun's is often a thousand times a lamp's, even indoors. The even share raises the variance by at most a third
-/// where the estimates are right, and bounds it where they are wrong.
+/// that of the sun is often a thousand times that of a lamp, even indoors. The even share raises the variance by at
+/// most a third where the estimates are right, and bounds it where they are wrong.
 constexpr float kEvenShare = 0.25f;
 
 /// Returns one random number for all choices. The float's 24 bits do not suffice for a tree of a million lights, so

@@ -29,7 +29,8 @@
 
 namespace cyclorama::render {
 
-/// Index of a light with a position: lamps (points, spots, spheres), then rectangles and disks, then triangles.
+/// Index of a light with a position. Lamps (points, spots, spheres) come first, then rectangles and disks, then
+/// triangles.
 using LightIndex = int;
 inline constexpr LightIndex kNoLight = -1;
 
@@ -37,7 +38,7 @@ inline constexpr LightIndex kNoLight = -1;
 /// out.
 class LightSet {
  public:
-  LightSet() = default;  ///< Dark.
+  LightSet() = default;  ///< Creates a set without lights.
   /// Borrows `placements`, which must neither move nor change. `environment` may be null; otherwise it replaces `sky`.
   LightSet(const std::vector<scene::Light>& lights, const Eigen::Vector3d& origin,
            const std::vector<Placement>& placements, const scene::Sky& sky,
@@ -55,8 +56,8 @@ class LightSet {
 
   /// Returns the light of triangle `primitive` of a placement; kNoLight if it is not sampled.
   [[nodiscard]] LightIndex of_triangle(unsigned placement, unsigned primitive) const;
-  /// Returns the radiance that a ray from `p` sees of a visible lamp that it hit. Black from behind; zero for
-  /// triangles.
+  /// Returns the radiance that a ray from `p` receives from the visible lamp that it hit; zero from behind the lamp,
+  /// and for triangles.
   [[nodiscard]] Vec3 radiance(LightIndex light, const Vec3& p, const Vec3& direction) const;
 
   [[nodiscard]] bool chooses_by_tree() const { return !tree_.empty(); }
@@ -70,7 +71,7 @@ class LightSet {
   [[nodiscard]] LightIndex index_of_flat(std::size_t flat) const {
     return static_cast<LightIndex>(lamps_.size() + flat);
   }
-  [[nodiscard]] std::size_t bytes() const;  ///< Excludes the environment.
+  [[nodiscard]] std::size_t bytes() const;  ///< Excludes the environment's map.
 
  private:
   /// Probability with which each kind of light is chosen.
@@ -93,7 +94,7 @@ class LightSet {
   EmissiveTriangles triangles_;
   std::vector<Lamp> suns_;  ///< Directional lamps.
   EnvironmentLight environment_;
-  LightList list_;  ///< For few lights with a position; the tree is for many.
+  LightList list_;  ///< Used for few lights with a position; `tree_` is used for many.
   LightTree tree_;
 };
 

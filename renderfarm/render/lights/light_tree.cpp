@@ -9,10 +9,10 @@ namespace cyclorama::render {
 namespace {
 
 constexpr std::size_t kBins = 12;
-/// Above this number of lights, only the longest axis is considered.
+/// Number of lights above which a split considers only the longest axis.
 constexpr std::size_t kManyLights = 128;
-/// Depth below which nodes are split into halves of equal number, without the cost. Reached if positions span many
-/// powers of ten.
+/// Depth below which nodes are split into halves with equal numbers of lights, whatever the cost. It is reached if
+/// positions span many powers of ten.
 constexpr int kDeepest = 64;
 /// Lower bound of squared distances, in m²: closer lights are no longer distinguished by distance.
 constexpr float kMinDistance2 = 1e-6f;
@@ -33,9 +33,9 @@ struct Heap {
     power += other.power;
     count += other.count;
   }
-  /// Returns power x extent x solid angle of emission. Unit normals spread evenly over a cap have the mean length (1 +
-  /// cos) / 2, and the paper's measure of orientation is nearly linear in that cosine, from pi for a plane to 4 pi. The
-  /// extent is the squared diagonal, because the surface area vanishes for lights in a row.
+  /// Returns power x extent x solid angle of emission. The mean of unit normals spread evenly over a cap has the length
+  /// (1 + cos) / 2, and the paper's measure of orientation is nearly linear in that cosine, from pi for a plane to 4
+  /// pi. The extent is the squared diagonal, because the surface area vanishes for lights in a row.
   [[nodiscard]] float cost() const {
     if (!(count > 0.0f)) return 0.0f;
     const float spread = 1.0f - std::min(1.0f, normals.norm() / count);
@@ -64,7 +64,7 @@ std::size_t bin_of(float place, float low, float inverse_size) {
 }
 
 struct Split {
-  int axis = -1;  ///< -1 if no axis separates them.
+  int axis = -1;  ///< -1 if no axis separates the lights.
   std::size_t bin = 0;
   float cost = std::numeric_limits<float>::infinity();
 };

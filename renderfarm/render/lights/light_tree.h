@@ -10,12 +10,12 @@
 
 namespace cyclorama::render {
 
-/// A random number in [0, 1) that serves several decisions in turn. Double, because the choices among a million lights
-/// use up the 24 bits of a float.
+/// A random number in [0, 1) that serves several decisions in turn. It is a double, because the choices among a million
+/// lights use up the 24 bits of a float.
 class Choice {
  public:
   explicit Choice(double number) : number_(number) {}
-  /// Returns true with this probability.
+  /// Returns true with the given probability.
   bool takes(double probability) {
     if (number_ < probability) {
       number_ /= probability;
@@ -38,14 +38,14 @@ class Choice {
 class LightTree {
  public:
   LightTree() = default;
-  /// Lights without power are left out. Takes about 90 bytes per light.
+  /// Builds the tree, which takes about 90 bytes per light. Lights without power are left out.
   explicit LightTree(std::span<const LightBounds> lights);
 
   [[nodiscard]] bool empty() const { return nodes_.empty(); }
-  /// Returns an approximate upper bound of the irradiance (luminance) of all lights; 0 if none can shine there. A zero
+  /// Returns an approximate upper bound of the irradiance (luminance) of all lights; 0 if none can shine at `p`. A zero
   /// `n` is a surface lit from both sides.
   [[nodiscard]] float estimate(const Vec3& p, const Vec3& n) const;
-  /// Returns the light's index, or -1 if the choice led to lights that cannot shine there.
+  /// Returns the light's index, or -1 if the choice led to lights that cannot shine at `p`.
   [[nodiscard]] int choose(const Vec3& p, const Vec3& n, Choice* choice, float* ret_probability) const;
   /// Returns the probability with which choose() returns `light`; 0 for a light that is left out.
   [[nodiscard]] float probability(const Vec3& p, const Vec3& n, int light) const;
@@ -63,7 +63,7 @@ class LightTree {
     float cos_emission;
     float power;
     float inverse_range;
-    /// Index of the second child (the first follows its parent), or kLeaf with the index of the group.
+    /// Index of the second child (the first follows its parent), or kLeaf combined with the index of the group.
     std::uint32_t next;
   };
   struct Group {
@@ -85,7 +85,7 @@ class LightTree {
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> parents_;
   std::vector<Group> groups_;
-  std::vector<std::uint32_t> places_;  ///< Position of each light: kGroup times its group, plus its index in it.
+  std::vector<std::uint32_t> places_;  ///< Position of each light: kGroup times its group, plus its index in the group.
 };
 
 }  // namespace cyclorama::render

@@ -47,7 +47,8 @@ std::optional<SphericalTriangle> SphericalTriangle::see(const Eigen::Vector3d& a
 }
 
 Eigen::Vector3d SphericalTriangle::sample(double u, double v) const {
-  // Corner c moves so that the share u of the area lies before it; then a point is sampled on the arc from b to it.
+  // Corner c is moved so that the share u of the area lies before it; then a point is sampled on the arc from b to the
+  // moved corner.
   const double part = u * solid_angle_;  // s and t are the sine and cosine of part + pi - alpha.
   const double s = cos_alpha_ * -std::sin(part) + sin_alpha_ * std::cos(part);
   const double t = -cos_alpha_ * std::cos(part) - sin_alpha_ * std::sin(part);

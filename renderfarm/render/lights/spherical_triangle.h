@@ -6,12 +6,12 @@
 
 namespace cyclorama::render {
 
-/// A triangle projected to the unit sphere around the origin, if it is large enough to be sampled by solid angle.
-/// Double, because the solid angle is a difference.
+/// A triangle projected to the unit sphere around the origin, if it is large enough to be sampled by solid angle. Uses
+/// double, because the solid angle is a difference of larger angles.
 class SphericalTriangle {
  public:
-  /// Returns null if the triangle is so small or thin that area sampling is as good, or so large that the origin nearly
-  /// lies on it.
+  /// Projects a triangle. Returns null if it is so small or thin that area sampling is as good, or so large that the
+  /// origin nearly lies on it.
   [[nodiscard]] static std::optional<SphericalTriangle> see(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                                             const Eigen::Vector3d& c);
   [[nodiscard]] double solid_angle() const { return solid_angle_; }

@@ -21,7 +21,8 @@ struct Crossing {
 };
 using Crossings = std::array<Crossing, kMaxRays>;
 
-/// Multiplies each crossing's radiance by the part of the scene's light that meshes leave there, estimated with one light.
+/// Multiplies each crossing's radiance by the share of the scene's light that meshes do not block there, estimated with
+/// one light.
 void shadow(const TraceScene& scene, PathBatch& batch, Crossings& crossings) {
   const RayStage& stage = batch.current();
   const float ambient = kPi * luminance(scene.ambient);
@@ -34,7 +35,7 @@ void shadow(const TraceScene& scene, PathBatch& batch, Crossings& crossings) {
     if (crossing.radiance.isZero(0.0f) || !std::isfinite(crossing.depth_m)) continue;
     const PathRay& ray = stage.state[slot];
     const Path& path = batch.path[ray.path];
-    constexpr std::uint32_t kSplatSeed = 0x5b1a7u;  // Other numbers than those of surfaces.
+    constexpr std::uint32_t kSplatSeed = 0x5b1a7u;  // Gives other random numbers than those of surfaces.
     const std::uint32_t seed = path.seed ^ mix_bits(kSplatSeed + ray.surfaces);
     const SobolPoint choice = sobol_point(path.index_reversed, seed, 0);
     const SobolPoint place = sobol_point(path.index_reversed, seed, 1);

@@ -12,7 +12,7 @@
 namespace cyclorama::render {
 namespace {
 
-/// The place where a splat weakens a ray. Places of equal distance have the order of the splats' numbers.
+/// The point where a splat attenuates a ray. Events at equal distances are ordered by the splats' numbers.
 struct Event {
   float distance;
   std::uint32_t splat;
@@ -23,10 +23,11 @@ struct Event {
   }
 };
 
-/// Events that one traversal collects. Few make rays through many splats traverse often; many make sorting slow.
+/// Number of events that one traversal collects. If it is small, rays through many splats need many traversals; if it
+/// is large, sorting is slow.
 constexpr std::size_t kEvents = 32;
 
-/// Distance from the centre, in standard deviations, beyond which a splat is left out.
+/// Returns the distance from the centre, in standard deviations, beyond which a splat is left out.
 float reach_of(float opacity) { return std::sqrt(2.0f * std::log(std::max(1.0f, opacity / kMinSplatAlpha))); }
 
 }  // namespace
@@ -69,7 +70,8 @@ void SplatScene::meet(const RTCIntersectFunctionNArguments* request) {
   if (request->valid[0] == 0) return;
   Ray& ray = *RayContext<Ray>::of(request->context);
   const Record& record = ray.scene->records_[request->primID];
-  // First to the ray's point that is nearest to the centre, so that far splats lose no digits.
+  // The event is computed from the point of the ray that is nearest to the centre, so that distant splats lose no
+  // precision.
   const Vec3 offset = ray.origin - record.centre;
   const float near_m = -offset.dot(ray.direction);
   const Vec3 start = record.T_unit_render * Vec3(offset + near_m * ray.direction);
@@ -81,7 +83,7 @@ void SplatScene::meet(const RTCIntersectFunctionNArguments* request) {
   if (!(event.alpha >= kMinSplatAlpha) || !(event.distance > 0.0f) || !(event.distance < ray.far_m)) return;
   if (!ray.last.is_before(event)) return;
   ray.collect(event);
-  // Boxes beyond the last event that is kept cannot hold an earlier one.
+  // Boxes beyond the last event that is kept cannot contain an earlier event.
   if (ray.count == kEvents) {
     RTCRayN_tfar(RTCRayHitN_RayN(request->rayhit, request->N), request->N, 0) = ray.events[kEvents - 1].distance;
   }
@@ -141,7 +143,7 @@ SplatScene::~SplatScene() {
   if (scene_ != nullptr) rtcReleaseScene(scene_);
 }
 
-/// The colour in the direction from the ray's start to the centre, as the original program has it.
+/// Returns the colour in the direction from the ray's start to the centre, as the original program computes it.
 Vec3 SplatScene::colour_of(const Record& record, const Vec3& eye) const {
   const Cloud& cloud = clouds_[record.cloud];
   const std::size_t count = cloud.source->coefficient_count();

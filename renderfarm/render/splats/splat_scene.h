@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Gaussian splats as rays see them: an Embree scene of their own, so that a scene without splats pays for nothing.
+/// Gaussian splats for ray tracing. They are in a separate Embree scene, so that scenes without splats have no extra
+/// cost.
 ///
-/// A splat weakens a ray once, where its Gaussian along the ray is highest: by its opacity times that value over the
-/// value at its centre. Those places give the order, so pictures of every shape are exact, without the projection that
-/// the original program approximates. All else is the original's: opacities are at most 0.99, what is below 1/255 is left
-/// out, and a ray ends where less than 1/10,000 of it would be left.
+/// A splat attenuates a ray once, at the point of the ray where its Gaussian is highest: by its opacity times the value
+/// of the Gaussian there divided by the value at its centre. These points determine the order of the splats, so
+/// pictures are exact in every projection, whereas the original program approximates projections. All other rules are
+/// those of the original program: opacities are at most 0.99, splats that contribute less than 1/255 are left out, and
+/// a ray ends where less than 1/10,000 of it would remain.
 #pragma once
 
 #include <limits>
@@ -23,35 +25,35 @@ inline constexpr float kMaxSplatAlpha = 0.99f;
 inline constexpr float kMinSplatAlpha = 1.0f / 255.0f;
 inline constexpr float kMinSplatTransmittance = 1e-4f;
 
-/// Light and shade that a ray gathers from splats.
+/// Light and attenuation that a ray gathers from splats.
 struct SplatLight {
   Vec3 colour = Vec3::Zero();  ///< Weighted by opacity; in code values unless SplatScene::is_linear().
   float transmittance = 1.0f;  ///< Fraction of the light from behind that passes through.
-  float depth_m = std::numeric_limits<float>::infinity();  ///< Distance at which half of the ray is stopped.
+  float depth_m = std::numeric_limits<float>::infinity();  ///< Distance at which half of the ray's light is blocked.
 };
 
-/// Thread-safe once built.
+/// The splats of a scene. Thread-safe once built.
 class SplatScene {
  public:
-  /// Borrows the clouds, which must outlive it and not change. `origin` is the render frame's, in the model's. Errors:
-  /// kSystem if Embree fails or memory runs out.
+  /// Borrows the clouds, which must outlive it and not change. `origin` is the origin of the render frame, in the
+  /// model's frame. Errors: kSystem if Embree fails or memory runs out.
   static Result<std::unique_ptr<SplatScene>> build(std::span<const scene::SplatCloud> clouds,
                                                    const Eigen::Vector3d& origin, RTCDevice device);
   ~SplatScene();
   SplatScene(const SplatScene&) = delete;
   SplatScene& operator=(const SplatScene&) = delete;
 
-  /// Gathers what lies before `far_m` on a ray. `direction` has unit length. Render frame.
+  /// Gathers the light of the splats on a ray before `far_m`. `direction` has unit length. Render frame.
   [[nodiscard]] SplatLight trace(const Vec3& origin, const Vec3& direction, float far_m) const;
-  /// True if all colours are blended as linear light.
+  /// Returns true if all colours are blended as linear light.
   [[nodiscard]] bool is_linear() const { return is_linear_; }
   [[nodiscard]] std::size_t bytes() const { return records_.size() * sizeof(Record); }
 
  private:
-  /// One cache line.
+  /// Data of one splat, in one cache line.
   struct alignas(64) Record {
     Vec3 centre;
-    Eigen::Matrix3f T_unit_render;  ///< The splat becomes the unit Gaussian.
+    Eigen::Matrix3f T_unit_render;  ///< Transforms the splat to the unit Gaussian.
     float opacity;
     std::uint32_t cloud;
     std::uint32_t splat;
@@ -59,7 +61,7 @@ class SplatScene {
   static_assert(sizeof(Record) == 64);
   struct Cloud {
     const scene::SplatCloud* source;
-    Eigen::Matrix3f T_cloud_render;  ///< For directions.
+    Eigen::Matrix3f T_cloud_render;  ///< Used only for directions.
   };
   struct Ray;
 

@@ -22,8 +22,8 @@ struct HeadlessOptions {
 };
 
 /// Opens heads in memory that are refreshed on the absolute schedule of `clock`. A picture counts as shown as soon as
-/// present() has all of it. Missed refreshes appear as a gap in the refresh number. Makes its context current on the
-/// calling thread.
+/// present() has drawn it completely. Missed refreshes appear as a gap in the refresh number. Makes its context current
+/// on the calling thread.
 ///
 /// Errors: kInvalidArgument if there is no head, or a size or the refresh rate is out of range; kUnavailable if there
 /// is no GL, with the reason; those of SharedPictureWriter::create() for the run directory. `clock` must outlive the

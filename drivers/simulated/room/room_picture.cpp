@@ -34,7 +34,8 @@ float linear_of(std::uint8_t code) {
   return table.linear[code];
 }
 
-/// Bilinear in linear light, since light of neighbouring projector pixels overlaps. (u, v) as in Pinhole.
+/// Interpolates bilinearly in linear light, since the light of neighbouring projector pixels overlaps. (u, v) is a
+/// pixel as in Pinhole.
 std::array<float, 3> light_at(const RgbImage& picture, float u, float v) {
   const float x = std::clamp(u - 0.5f, 0.0f, static_cast<float>(picture.width() - 1));
   const float y = std::clamp(v - 0.5f, 0.0f, static_cast<float>(picture.height() - 1));

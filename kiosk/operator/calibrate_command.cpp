@@ -47,7 +47,7 @@ class TypedAnswers {
  public:
   explicit TypedAnswers(wire::Calibrator::Stub* stub)
       : stub_(*stub), reader_([this](const std::stop_token& is_over) { read(is_over); }) {}
-  /// Shows a question; an empty text means that no question is open any more.
+  /// Shows a question; an empty text means that no question is open.
   void ask(const std::string& question) {
     if (!question.empty()) std::fprintf(stderr, "\n%s", printable(question, kMaxRemarkLength).c_str());
     is_asked_ = !question.empty();

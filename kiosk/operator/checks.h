@@ -22,7 +22,7 @@ struct Check {
   std::string id;     ///< Key in pages and scripts: "part-tour", "disk".
   std::string title;  ///< Title for people: "Tour", "Room on the disk".
   CheckLevel level = CheckLevel::kOk;
-  std::string sentence;  ///< Present condition.
+  std::string sentence;  ///< The condition found.
   std::string remedy;    ///< Remedy; empty when nothing is wrong.
 };
 
@@ -42,7 +42,7 @@ struct Findings {
 
 /// Returns a table for a terminal, the worst first, with remedies beneath.
 [[nodiscard]] std::string checks_table(const std::vector<Check>& checks);
-/// [{"id", "title", "level", "sentence", "remedy"}]
+/// Returns [{"id", "title", "level", "sentence", "remedy"}].
 [[nodiscard]] std::string checks_json(const std::vector<Check>& checks);
 
 }  // namespace cyclorama::operations

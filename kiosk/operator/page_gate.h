@@ -7,8 +7,8 @@
 ///   without (loopback):    open to everybody on this computer, but only under a loopback name, so that a foreign name
 ///                          that resolves to it (DNS rebinding) is refused
 ///
-/// In both cases a request that changes something must be JSON, and from this very page if its browser sends its
-/// origin.
+/// In both cases a request that changes something must be JSON and, if the browser sends its origin, come from this
+/// page.
 #pragma once
 
 #include <functional>

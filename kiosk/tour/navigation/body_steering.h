@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Maps the pose of a visitor without a tag to a steering command: leaning turns, stepping sideways slides, coming
-/// nearer walks forward.
+/// Maps the pose of a visitor without a tag to a steering command: leaning turns the view, a step sideways moves
+/// sideways, and a step towards the wall moves forward.
 ///
 ///        ═══════════════ wall ═══════════════
 ///                       ▣ camera                 The pose is that of a "tag" worn on the body: its position is where

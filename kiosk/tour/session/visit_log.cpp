@@ -152,7 +152,7 @@ double VisitLog::rate(TimePoint now) {
   return static_cast<double>(presented_at_.size() - 1) / std::max(to_seconds(span), 1e-3);
 }
 
-/// The frames after the newest that was shown may still come.
+/// Ignores the frames after the newest one that was shown, since they may still be shown.
 double VisitLog::wasted_share() const {
   const auto end = sent_.upper_bound(newest_presented_);
   const auto all = std::distance(sent_.begin(), end);

@@ -23,8 +23,8 @@ namespace cyclorama::tour {
 /// stages   capture, detect, pose (tracker) · steer · farm_round_trip · plan, render, encode, farm (FrameEnd) ·
 ///          decode, wait, draw (display) · shutter_to_photon
 /// gauges   frames, frames_per_second, refined_frames, samples_per_pixel, bytes_per_frame, balance_efficiency,
-///          picture_scale (width of a moving frame over the requested one), wasted_frames_share (of the last kMaxSent views: requested, and passed over by every display),
-///          "dropped: REASON"
+///          picture_scale (width of a moving frame divided by the requested width), wasted_frames_share (share of the
+///          last kMaxSent views that no display showed), "dropped: REASON"
 ///
 /// Names and reasons come from the wire: unprintable ones are escaped, and beyond a fixed number they share one entry,
 /// so that no peer fills memory. Thread-safe.
@@ -44,10 +44,10 @@ class VisitLog {
   /// Counts a frame once, however many displays show it.
   void add_presented(const wire::FramePresented& presented, TimePoint now);
   void add_dropped(const std::string& reason, std::uint64_t frames = 1);
-  /// Records that a display did not show this view's frame. A frame counts once, over all displays, and not again when
-  /// the farm gave it up before.
+  /// Records that a display did not show this view's frame. A frame counts once, over all displays, and is not counted
+  /// again if the farm gave it up before.
   void add_not_shown(const wire::FrameDropped& dropped);
-  /// Updates the gauges that fade with time.
+  /// Updates the gauges that depend on the present time.
   void refresh(TimePoint now);
 
   [[nodiscard]] double frames_per_second(TimePoint now);

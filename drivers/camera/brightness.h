@@ -10,7 +10,7 @@ namespace cyclorama::camera {
 /// covers less.
 [[nodiscard]] int bright_level(const GreyImage& picture);
 
-/// A device's gain, in its own units.
+/// Range and step of a device's gain, in units of the device.
 struct GainRange {
   long min = 0;
   long max = 0;

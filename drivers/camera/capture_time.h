@@ -18,7 +18,7 @@ struct KernelStamp {
 /// transfer's end. The readout time of the sensor, at most one picture period, is ignored, since no driver reports it.
 [[nodiscard]] TimePoint capture_time(const KernelStamp& stamp, Duration exposure, TimePoint now);
 
-/// Upper bound on the time that a picture waits in a driver's few buffers while a reader takes pictures.
+/// Upper bound on the time for which a picture waits in a driver's buffers, if a reader takes pictures steadily.
 inline constexpr Duration kMaxStampAge = std::chrono::seconds(10);
 
 }  // namespace cyclorama::camera

@@ -11,7 +11,7 @@
 
 namespace cyclorama::camera {
 
-/// Layout of a picture as a camera delivers it, by the position of its brightness, which is all that tracking uses.
+/// Layout of the brightness in a camera's picture. Tracking uses only the brightness.
 enum class PixelLayout {
   kGrey8,      ///< GREY.
   kPlanarYuv,  ///< First plane like kGrey8, then colour: NV12, NV21, NV16, YU12, YV12, 422P...

@@ -23,7 +23,7 @@
 namespace cyclorama::output {
 
 struct HeadMode {
-  std::string name;  ///< Name of its projector, as in installation.toml.
+  std::string name;  ///< Name of the projector, as in installation.toml.
   int width_px = 0;
   int height_px = 0;
 };
@@ -53,7 +53,7 @@ class Output {
 
   [[nodiscard]] virtual const std::vector<HeadMode>& heads() const = 0;
   [[nodiscard]] virtual double refresh_hz() const = 0;
-  /// For people: "headless EGL", "DRM /dev/dri/card0".
+  /// Returns a name for people: "headless EGL", "DRM /dev/dri/card0".
   [[nodiscard]] virtual std::string kind() const = 0;
   /// GL calls of the context that is current on this thread; valid as long as the output exists.
   [[nodiscard]] virtual const Gl& gl() const = 0;

@@ -24,7 +24,7 @@ struct SharedPictureInfo {
   TimePoint presented_at{};
 };
 
-/// <run_dir>/head-<head>.picture; bytes of `head` that are not allowed in a file name are written as %XX.
+/// Returns <run_dir>/head-<head>.picture; bytes of `head` that are not allowed in a file name are written as %XX.
 [[nodiscard]] std::filesystem::path shared_picture_path(const std::filesystem::path& run_dir, std::string_view head);
 
 /// Thread-bound; readers may be in any process. Never blocks on a reader.

@@ -39,8 +39,8 @@ class CalibrationController {
   void cancel();
   /// Answers the calibration's question. Errors: kNotFound if there is no open question; kUnavailable, kTimedOut.
   Status answer(const std::string& text);
-  /// Restores the previous calibration and returns its date. Errors: kBusy if something runs; kNotFound if there is
-  /// none; kUnavailable, kTimedOut.
+  /// Restores the previous calibration and returns its date. Errors: kBusy if other work is running; kNotFound if there
+  /// is none; kUnavailable, kTimedOut.
   Result<std::string> restore();
 
   /// Returns {"what": "wall" or "cameras", "state", "step", "fraction", "error", "date", "remarks": [],

@@ -96,7 +96,7 @@ void read_clock(const fs::path& root, MachineFacts* ret) {
     return;
   }
   timex state{};
-  const int answer = ::adjtimex(&state);  // Only reads, but a sandbox may refuse it nevertheless.
+  const int answer = ::adjtimex(&state);  // The call only reads, but a sandbox may refuse it.
   if (answer >= 0) ret->is_clock_set = (state.status & STA_UNSYNC) == 0;
 }
 

@@ -16,7 +16,7 @@ struct MachineFacts {
   std::optional<bool> is_read_only{};  ///< True if that disk is read-only, as the kernel makes it after an error.
   std::optional<double> warmest_c{};   ///< Maximum of all thermal zones.
   std::optional<double> critical_c{};  ///< Temperature at which that zone switches the computer off.
-  std::optional<bool> is_clock_set{};  ///< True if a time server has set it since the start.
+  std::optional<bool> is_clock_set{};  ///< True once a time server has set the clock.
   std::optional<double> memory_free_share{};
   std::string only_in_memory{};      ///< Reason why the image keeps its state in memory only; empty: it does not.
   std::uint64_t slowed_by_heat = 0;  ///< Number of times since the start that heat slowed the processor.

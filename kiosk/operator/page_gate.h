@@ -25,9 +25,9 @@ class Server;
 
 namespace cyclorama::operations {
 
-/// Must be called before the other routes are added. `sessions` is borrowed; null: no PIN. `login` lists the files that
-/// need no PIN and must include "/login.html". `told` returns public findings: nothing once there is a PIN. It is
-/// called by several threads.
+/// Guards all routes of a server. Must be called before the other routes are added. `sessions` is borrowed; null: no
+/// PIN. `login` lists the files that need no PIN and must include "/login.html". `told` returns public findings:
+/// nothing once there is a PIN. Several threads call `told`.
 void guard(httplib::Server& server, Sessions* sessions, std::span<const PageFile> login,
            std::function<std::vector<Check>()> told);
 

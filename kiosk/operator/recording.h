@@ -21,7 +21,7 @@ struct RecordedPicture {
   std::string name;
   RgbImage newest;
   double max_changed = 0.0;        ///< Maximum of changed_share() between any later picture and the first.
-  RgbImage first;                  ///< Empty until one arrives.
+  RgbImage first;                  ///< Empty until a picture arrives.
   std::vector<RgbImage> overtime;  ///< Shrunk copies of the newest picture at each tick().
 };
 

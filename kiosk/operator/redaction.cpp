@@ -95,7 +95,7 @@ void Redaction::add_secrets_of(const fs::path& folder) {
     const bool is_open = std::find(kOpenFiles.begin(), kOpenFiles.end(), extension) != kOpenFiles.end();
     if (is_open || entry->path().filename().string().starts_with(".")) continue;
     const auto text = read_text_file(entry->path(), kMaxSecretFileBytes);
-    if (!text) continue;  // What this program may not read cannot get into its texts.
+    if (!text) continue;  // A file that this program may not read cannot get into its texts.
     for_each_line(*text, [&](std::string_view line) {
       if (!begins_pem(line) && !ends_pem(line)) add_secret(line);
     });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Sessions of the operator page: access for a while to those who entered the PIN.
+/// Sessions of the operator page: temporary access for people who have entered the PIN.
 #pragma once
 
 #include <filesystem>
@@ -29,7 +29,7 @@ struct SessionRules {
 /// Thread-safe. PINs are checked one at a time, so that many concurrent attempts use no more memory than one.
 class Sessions {
  public:
-  /// `pin_file` holds the result of hashed_pin(); it is read at every attempt, so that a new PIN from a USB stick
+  /// `pin_file` contains the result of hashed_pin(); it is read at every attempt, so that a new PIN from a USB stick
   /// counts at once. `clock` is borrowed.
   Sessions(const Clock& clock, std::filesystem::path pin_file, SessionRules rules = {});
 

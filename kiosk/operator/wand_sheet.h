@@ -10,7 +10,7 @@
 
 namespace cyclorama::operations {
 
-/// A paper size in landscape, and the scale of its card relative to FoldedCard's default.
+/// A paper size in landscape, and the scale of the card that fits on it relative to FoldedCard's default.
 struct Paper {
   std::string_view name;
   double width_mm;

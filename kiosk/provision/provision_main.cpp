@@ -108,7 +108,7 @@ Status run(const Options& options, const CLI::App& app) {
   order.at = at;
   auto report = provision(order, &store);
   if (!report) {
-    // The page shows the failure too, since nobody reads the journal.
+    // The page shows the failure, too, since nobody reads the journal.
     ProvisioningReport failed;
     failed.at = at;
     failed.source = options.from;

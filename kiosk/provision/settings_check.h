@@ -47,8 +47,8 @@ struct SettingsCheck {
 /// (required), installation.toml (required) with the meshes, warps and passwords it names, tracker.toml, wands,
 /// calibrator.toml with the lenses of its cameras, operator.toml, and the certificates and the attract picture that
 /// site.toml names. A render host has farm.toml, node.toml or both, with certificates, tokens and scenes. Every file
-/// that a setting names must lie in the folder. `folder` must hold plain files only (copy_folder()); sentences omit its
-/// path.
+/// that a setting names must lie in the folder. `folder` must contain only plain files (copy_folder()); sentences omit
+/// its path.
 [[nodiscard]] SettingsVerdict check_settings(const std::filesystem::path& folder, const SettingsCheck& how);
 
 }  // namespace cyclorama::provision

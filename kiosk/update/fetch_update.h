@@ -35,7 +35,7 @@ struct FetchOrder {
 struct FetchOutcome {
   enum class Kind {
     kNothing,  ///< Nothing newer is available; the sentence names the farm's version.
-    kReady,    ///< `folder` holds the whole version.
+    kReady,    ///< `folder` contains the whole version.
     kLater,    ///< `go_on` returned false; the parts that have arrived stay.
   };
   Kind kind = Kind::kNothing;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// When a museum's computer looks for updates and restarts for them. From site.toml:
+/// Times at which a museum's computer looks for updates and restarts for them. From site.toml:
 ///
 ///   # site.toml
 ///   [update]

@@ -15,8 +15,8 @@
 namespace cyclorama::camera {
 namespace {
 
-/// True if the first bytes are those of a video. All other files go to the photo reader, whose error names the format
-/// if it is a common one.
+/// True if the first bytes are those of a video. All other files go to the photo reader, whose error names common other
+/// formats.
 bool looks_like_a_video(const std::filesystem::path& path) {
   std::array<char, 12> head{};
   std::ifstream file(path, std::ios::binary);

@@ -110,7 +110,7 @@ Result<std::vector<Connector>> Card::probe() const {
 Result<std::vector<std::filesystem::path>> list_cards() {
   std::array<drmDevicePtr, 16> devices{};
   const int count = drmGetDevices2(0, devices.data(), static_cast<int>(devices.size()));
-  if (count == -ENOENT) return std::vector<std::filesystem::path>();  // Not even the folder exists.
+  if (count == -ENOENT) return std::vector<std::filesystem::path>();  // The folder of the devices does not exist.
   if (count < 0) return kms_error(count, "listing graphics cards");
   const int listed = std::min(count, static_cast<int>(devices.size()));
   std::vector<std::filesystem::path> nodes;

@@ -264,7 +264,7 @@ class DrmOutput final : public Output {
 
   Status probe(CardState* card) {
     if (card->has_lost_master) {
-      // Reported with the errno of a lost master, whatever the error of the commit was.
+      // The errno is that of a lost master, even if become_master() failed for another reason.
       if (!card->heads->card().become_master()) return kms_error(-EACCES, "waiting for the card");
       card->has_lost_master = false;
     }

@@ -25,8 +25,8 @@ struct DrmOptions {
   /// Cards to use; the first one renders. Empty: all cards of the machine that have connectors.
   std::vector<std::filesystem::path> cards;
   std::chrono::milliseconds flip_timeout{500};
-  /// While false, all connectors are off (ACTIVE = 0). Null: always on. It must outlive the output; another thread may
-  /// write it.
+  /// Flag that another thread may write and that must outlive the output. While it is false, all connectors are off
+  /// (ACTIVE = 0). Null: always on.
   const std::atomic<bool>* is_awake = nullptr;
 };
 

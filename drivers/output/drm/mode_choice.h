@@ -20,7 +20,7 @@ struct ModePreference {
 /// Returns the exact rate from pixel clock and totals, since the kernel's own field is rounded; 0 for a mode without
 /// them.
 [[nodiscard]] double refresh_hz_of(const drmModeModeInfo& mode);
-/// "1920x1080@60.00", for people.
+/// Returns a text for people, such as "1920x1080@60.00".
 [[nodiscard]] std::string text_of(const drmModeModeInfo& mode);
 [[nodiscard]] bool is_same_mode(const drmModeModeInfo& a, const drmModeModeInfo& b);
 

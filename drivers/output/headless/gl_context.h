@@ -10,7 +10,7 @@
 
 namespace cyclorama::output {
 
-/// It is current on the thread that made it, and must be destroyed on that thread. Thread-bound.
+/// A GL context that is current on the thread that made it, and must be destroyed on that thread. Thread-bound.
 class GlContext {
  public:
   virtual ~GlContext() = default;

@@ -17,7 +17,8 @@ struct HeadlessOptions {
   double refresh_hz = 60.0;
   std::filesystem::path run_dir;  ///< Directory for each head's shared picture (shared_picture.h); empty for none.
   Renderer renderer = Renderer::kAny;
-  /// While false, shared pictures are black. Null: always on. It must outlive the output; another thread may write it.
+  /// Flag that another thread may write and that must outlive the output. While it is false, shared pictures are black.
+  /// Null: always on.
   const std::atomic<bool>* is_awake = nullptr;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Power control of projectors over the network: PJLink class 1 (JBMIA, "PJLink specifications class 1", version 1.04,
-/// 2013). Each command uses its own connection, since projectors close an idle one after 30 s.
+/// 2013). Each command uses its own connection, since projectors close an idle connection after 30 s.
 #pragma once
 
 #include <array>

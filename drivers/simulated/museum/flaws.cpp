@@ -127,7 +127,8 @@ void bend_wall(RandomStream draws, double min_m, double max_m, MuseumTruth* trut
     lowest = std::min(lowest, value);
     highest = std::max(highest, value);
   }
-  // The wall is nearest to the axis where the deviation is highest: its distance is its radius minus the deviation.
+  // The wall is nearest to the axis where the deviation is highest, since the distance is the radius minus the
+  // deviation.
   const double amplitude = (max_m - min_m) / (highest - lowest);
   wall->radius_m = min_m + amplitude * highest;
   // The ends of the arc must not move, and the wave's coordinate scales with the radius.

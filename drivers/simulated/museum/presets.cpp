@@ -44,7 +44,7 @@ std::string head_text(std::string_view name, std::string_view wall) {
   return fmt::format("name = \"{}\"\n[wall]\n{}[visitor]\neye_m = [0, {}, 0]\n", name, wall, kEye_m);
 }
 
-/// Returns projectors above the visitor, each somewhat behind the centre on its own axis, facing outwards.
+/// Returns projectors above the visitor that face outwards, each set back from the centre along its axis.
 std::string around(const PresetOptions& options, double radius_m, double arc_rad, double behind_m) {
   const Share share = shares(arc_rad, options.projectors, options.overlap);
   const double half = 0.5 * share.width;

@@ -68,7 +68,7 @@ class SimulatedMuseum {
   Result<GreyPhotograph> photograph_grey(double exposure_s);
   Result<RgbPhotograph> photograph_colour(double exposure_s);
 
-  /// For scoring, with drivers/simulated/museum/true_museum.h.
+  /// Returns the truth, for scoring; see true_museum.h.
   [[nodiscard]] const TrueMuseum& truth() const;
   /// True angle of the turntable. For scoring.
   [[nodiscard]] double true_turntable_angle_rad() const;

@@ -62,7 +62,8 @@ class TrueMuseum {
 
   /// Returns the camera's pose for a true angle of the turntable.
   [[nodiscard]] RigidTransform<frame::Room, frame::Camera> camera_pose(double true_angle_rad) const;
-  /// The point of the turntable's axis nearest to the camera's centre, about which the camera turns.
+  /// Returns the point about which the camera turns: the point of the turntable's axis that is nearest to the camera's
+  /// centre.
   [[nodiscard]] Point<frame::Room> turning_point() const;
 
  private:

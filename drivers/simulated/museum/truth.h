@@ -46,7 +46,7 @@ struct TrueProjector {
 struct TrueCamera {
   TrueLens lens;
   double vignetting_exponent = 0.0;
-  /// Response of its red, green and blue pixels to room colour.
+  /// Response of the camera's red, green and blue pixels to room colour.
   ColourMatrix sensitivity{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   RoomColour grey_sensitivity{0.2126, 0.7152, 0.0722};  ///< Response of the same camera without colour filters.
   double electrons_per_nit_s = 3000.0;

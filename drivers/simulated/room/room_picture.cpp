@@ -80,7 +80,7 @@ RoomEye RoomEye::behind_visitor(const Installation& installation, int width_px, 
   const Eigen::Quaterniond looking_ahead(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
   RoomEye eye;
   eye.T_room_camera = {Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()) * looking_ahead, behind};
-  // Wide enough for both ends of the wall with a margin, as far as a flat picture can show them.
+  // The view includes both ends of the wall with a margin, as far as a flat picture can show them.
   const RigidTransform<frame::Camera, frame::Room> T_camera_room = eye.T_room_camera.inverse();
   const double aspect = static_cast<double>(width_px) / height_px;
   double half_view = 0.3;

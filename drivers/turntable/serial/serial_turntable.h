@@ -32,7 +32,7 @@ class SerialTurntable final : public Turntable {
   /// kTimedOut if nothing answers; kBadData if the device is not a G-code controller; kInvalidArgument if an option is
   /// invalid.
   static Result<std::unique_ptr<Turntable>> open(const SerialTurntableOptions& options);
-  /// Errors: kInvalidArgument if an option is invalid.
+  /// Checks the options without opening the line. Errors: kInvalidArgument if an option is invalid.
   static Status check(const SerialTurntableOptions& options);
 
   [[nodiscard]] const std::string& id() const override { return id_; }

@@ -13,7 +13,7 @@
 
 namespace cyclorama::tour {
 
-/// The dead zones cover how much people sway and fidget while they look; they are wider than those of a hand.
+/// The dead zones cover how much people sway and fidget while they look; they are wider than the dead zones for a hand.
 struct BodySteeringSettings {
   /// Distance from the camera to the mark, where the forward speed is zero; must equal the tracker's setting.
   double mark_distance_m = 2.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The guide leads from stop to stop while nobody steers, so that an empty room still attracts visitors. It only issues
-/// steering commands, as a visitor does; the limits of walk.h keep its motion, and taking over from it, smooth.
+/// steering commands, as a visitor does; the limits of walk.h keep its motion smooth, also when a visitor takes over.
 #pragma once
 
 #include <Eigen/Core>

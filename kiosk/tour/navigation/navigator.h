@@ -93,7 +93,7 @@ struct Navigation {
 /// Applies a request from the keys; a request to rest releases the keys at once.
 [[nodiscard]] Navigation with_keys(Navigation state, const SteeringCommand& command, TimePoint arrived_at);
 
-/// Advances to `now`; a time before the last one changes nothing. `site` is the one passed to started().
+/// Advances to `now`; a time before the last one changes nothing. `site` must be the site that was passed to started().
 [[nodiscard]] Navigation advanced(Navigation state, const Site& site, const NavigationSettings& settings,
                                   TimePoint now);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// File format of a recorded walk: every event with its time, and after each tick the resulting view. Lines of words;
-/// numbers have the fewest digits that restore the same bits.
+/// File format of a recorded walk: every event with its time, and after each tick the resulting view. The file consists
+/// of lines of words; numbers have the fewest digits that restore the same bits.
 ///
 ///   cyclorama-walk 2
 ///   limits FORWARD SIDEWAYS TURN ACCELERATION JERK TURN_ACCELERATION TURN_JERK

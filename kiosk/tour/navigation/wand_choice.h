@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Chooses the tracker that steers among several, and which of its pictures count. Pure values.
+/// Chooses, among several trackers, the one that steers, and decides which of its pictures count. Pure values.
 #pragma once
 
 #include <cstdint>

@@ -35,7 +35,7 @@ class DisplayHub {
  public:
   static constexpr std::size_t kMaxDisplays = 32;
 
-  /// Adds a display and sends it the newest heading at once, so that its stream starts with one. Errors: kBusy if
+  /// Adds a display and sends it the newest heading at once, so that its stream starts with a heading. Errors: kBusy if
   /// kMaxDisplays have joined; kUnavailable if close() was called; kInvalidArgument if its wall needs another kind of
   /// picture, or a picture for other eyes, than the displays that have joined.
   Status join(const std::shared_ptr<DisplayLink>& link, std::string name, const Projection& wanted);

@@ -31,7 +31,7 @@ class Outbox {
 
   /// `show_at` is null to show the heading at once.
   void put_heading(const wire::Heading& heading, const wire::ShowAt* show_at = nullptr);
-  /// Queues an answer ahead of everything else; it replaces one that still waits.
+  /// Queues an answer ahead of everything else; it replaces an answer that still waits.
   void put_answer(const wire::ClockReply& answer) { answer_ = answer; }
   /// Queues a begin, tile or end. Returns the number of the frame that this display loses as a result, if it loses one.
   std::optional<std::uint64_t> put(const SharedShowMessage& message);

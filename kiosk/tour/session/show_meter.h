@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How long frames take from their request to a display's light, and how often one is shown.
+/// Measures how long frames take from their request to a display's light, and how often one is shown.
 #pragma once
 
 #include <cstdint>

@@ -35,7 +35,7 @@ class RecentMaximum {
 [[nodiscard]] Duration refresh_period_of(const wire::DisplayHello& hello);
 
 /// Chooses the synchronised refresh (wire::ShowAt) at which several displays first show a frame or a heading: the next
-/// one that the slowest of them can make, judged by what all of them needed in the last minute.
+/// one that the slowest of them can make, judged by the time that each display needed in the last minute.
 ///
 ///   sent ──▶ network ──▶ decode ──▶ drawn for ──▶ synchronised refresh
 ///    └──────────── frame_need_s ─────────────────────┘

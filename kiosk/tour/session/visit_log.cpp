@@ -22,7 +22,7 @@ constexpr auto kRateWindow = std::chrono::seconds(5);
 /// clocks is wrong.
 constexpr double kMaxStageS = 60.0;
 
-/// Returns the printable name while there is room for it, else one name that all others share.
+/// Returns the printable name while there is room for it, otherwise a name that all further names share.
 std::string bounded(const std::string& name, std::size_t max, std::set<std::string>* names) {
   std::string shown = printable(name, kMaxNameLength);
   if (shown.empty()) shown = "unnamed";

@@ -51,7 +51,7 @@ class VisitLog {
   void refresh(TimePoint now);
 
   [[nodiscard]] double frames_per_second(TimePoint now);
-  /// Returns a sentence about what the farm refines; nothing while it shows a view for the first time.
+  /// Returns a sentence about what the farm refines; nothing while the newest view is rendered for the first time.
   [[nodiscard]] std::optional<std::string> refinement() const;
   /// Returns when the farm last completed a frame.
   [[nodiscard]] std::optional<TimePoint> frame_completed_at() const;

@@ -21,7 +21,7 @@ namespace cyclorama::devices {
 Result<std::unique_ptr<turntable::Turntable>> make_turntable(std::string_view spec,
                                                              std::unique_ptr<turntable::TurntableOperator> operated_by);
 
-/// Checks the line only; opens nothing. Errors: kInvalidArgument as above.
+/// Checks the line without opening the turntable. Errors: kInvalidArgument if the line is wrong.
 Status check_turntable(std::string_view spec);
 
 }  // namespace cyclorama::devices

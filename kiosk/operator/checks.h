@@ -30,7 +30,7 @@ struct Check {
 struct Findings {
   std::vector<ProcessObservation> processes;
   MachineFacts machine;
-  bool is_museum = false;  ///< True with a state folder, where settings should be in use.
+  bool is_museum = false;  ///< True if there is a state folder, so that settings should be in use.
   std::optional<provision::ProvisioningReport> provisioning;
   std::optional<update::UpdateStatus> update;
   std::chrono::system_clock::time_point now;

@@ -21,7 +21,7 @@ constexpr double kMaxHz = 1000.0;
 constexpr double kMinHz = 0.1;
 constexpr auto kMaxBackoff = std::chrono::seconds(1);
 constexpr auto kLookAgain = std::chrono::seconds(5);  // Rescan interval for dark heads, or without hot-plug events.
-constexpr int kMaxFailures = 20;                      // Successive failures before everything must be reopened.
+constexpr int kMaxFailures = 20;                      // Successive failures after which the output must be reopened.
 constexpr int kMaxBusyFlips = 3;
 
 /// One card and its state.

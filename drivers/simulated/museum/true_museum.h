@@ -21,7 +21,7 @@
 
 namespace cyclorama::simulated {
 
-/// Thread-safe, since it is immutable.
+/// A simulated museum as it really is. Immutable, hence thread-safe.
 class TrueMuseum {
  public:
   /// Errors: kInvalidArgument if the wall cannot be simulated, the truth's number of projectors or picture sizes differ

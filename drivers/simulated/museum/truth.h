@@ -65,7 +65,7 @@ struct TrueTurntable {
   /// The turntable turns about the y axis of the Turntable frame.
   RigidTransform<frame::Room, frame::Turntable> T_room_turntable;
   RigidTransform<frame::Turntable, frame::Camera>
-      T_turntable_camera;     ///< Its translation is the camera's offset from the axis.
+      T_turntable_camera;     ///< The translation is the camera's offset from the axis.
   double scale_error = 0.0;   ///< Relative error of the angle; positive turns too far.
   double wobble_rad = 0.0;    ///< Amplitude of one sine period per turn, from an eccentric gear.
   double backlash_rad = 0.0;  ///< The angle falls short by half of this in the direction of the last turn.

@@ -34,7 +34,7 @@ Vector2d wanted_velocity(const Walker& walker, const SteeringCommand& command, c
   const Vector2d free = braked(area, walker.position_m, in_scene(desired), motion, braking, scale);
   const Vector2d wanted(free.dot(right), free.dot(forward));
   if (wanted == desired) return wanted;
-  // Along a wall the visitor may be led sideways faster than the sideways limit.
+  // Along a wall the visitor could be led sideways faster than the sideways limit; the velocity is then scaled down.
   const double excess = std::max(std::abs(wanted.x()) / std::max(limits.sideways_m_per_s, kMinSpeed),
                                  std::abs(wanted.y()) / std::max(limits.forward_m_per_s, kMinSpeed));
   return excess > 1.0 ? Vector2d(wanted / excess) : wanted;

@@ -33,7 +33,7 @@ class ShowMeter {
 
   /// Records that the view was requested; numbers increase.
   void asked(std::uint64_t number, TimePoint now);
-  /// Records that the farm delivered the view's first frame, complete.
+  /// Records that the farm delivered the first complete frame of the view.
   void ended(std::uint64_t number, TimePoint now);
   /// Forgets the frames in flight, when the farm is away.
   void lost() { frames_.clear(); }
@@ -55,8 +55,8 @@ class ShowMeter {
 
   /// The slowest display's refresh period; zero without displays.
   [[nodiscard]] Duration refresh_period() const;
-  /// True while the reports of all displays are overdue, so that another frame would only wait there. A display whose
-  /// report is missing for longer than kMaxInterval does not count as overdue.
+  /// True while the reports of all displays are overdue, so that another frame would only wait at the displays. A
+  /// display whose report is missing for longer than kMaxInterval does not count as overdue.
   [[nodiscard]] bool are_displays_late(TimePoint now) const;
 
  private:

@@ -63,9 +63,8 @@ struct TourSettings {
   std::optional<TlsFiles> tls{};  ///< Credentials for the connection to the farm.
   PictureSettings picture;
   NavigationSettings navigation;
-  bool record = false;  ///< Not from the file: record the walk, for Tour::take_recording().
-  std::optional<SavedPosition>
-      resume{};  ///< Not from the file: the visitor's position when the tour ended unexpectedly.
+  bool record = false;                    ///< Records the walk for Tour::take_recording(); not in the file.
+  std::optional<SavedPosition> resume{};  ///< The visitor's position when the tour ended unexpectedly; not in the file.
 };
 
 /// Returns the guard band that a turn at full speed uses up within 0.2 s: the latency of one frame and the wait for the

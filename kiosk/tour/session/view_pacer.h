@@ -66,7 +66,7 @@ class ViewPacer {
 
  private:
   const bool farm_refines_;
-  FrameWindow<std::monostate> frames_;  ///< Numbers alone: FarmClient keeps the views.
+  FrameWindow<std::monostate> frames_;  ///< Numbers of the frames; FarmClient keeps their views.
   std::optional<wire::View> newest_;
   std::optional<TimePoint> asked_at_;
   Duration period_ = Duration::zero();

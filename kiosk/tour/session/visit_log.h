@@ -35,7 +35,8 @@ class VisitLog {
   explicit VisitLog(InspectionService* inspection);
 
   void add_pose(const wire::TrackedPose& pose);
-  /// `pose_received_at` is the arrival of the pose that the view follows, for the first view that follows it.
+  /// `pose_received_at` is the arrival time of the pose that the view follows, given only for the first view that
+  /// follows that pose.
   void add_view(const wire::View& view, TimePoint now, std::optional<TimePoint> pose_received_at);
   /// Records the picture that the farm begins to send: its size may be smaller than requested.
   void add_begin(const wire::View& view);

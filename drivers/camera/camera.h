@@ -18,7 +18,7 @@
 
 namespace cyclorama::camera {
 
-/// One picture and when it was taken. Immutable once shared.
+/// A picture and the time at which it was taken. Immutable once shared.
 struct CameraFrame {
   GreyImage pixels;
   /// Red, green and blue codes of the same pixels, as the camera delivers them: the colour space and the response curve
@@ -26,15 +26,16 @@ struct CameraFrame {
   RgbImage colour;
   std::uint64_t sequence = 0;  ///< Number of the picture; a gap shows how many were dropped.
   TimePoint captured_at{};     ///< Start of exposure, CLOCK_MONOTONIC.
-  Duration exposure{};         ///< Exposure time that the camera used; 0 if it does not report it or sets its own.
+  Duration exposure{};         ///< Exposure time; 0 if the camera does not report it or chooses it.
 };
 
-/// Used by the tracker and the calibrator, which do not depend on the kind of camera.
+/// Interface to a camera of any kind, for the tracker and the calibrator.
 class Camera {
  public:
   virtual ~Camera() = default;
 
-  /// Stable across reboots and re-plugs into the same port (the port path, or the recording's file name).
+  /// Identifier that is stable across reboots and re-plugs into the same port: the port path, or the recording's file
+  /// name.
   /// Use it as the key in calibration.json. Thread-safe.
   [[nodiscard]] virtual const std::string& id() const = 0;
 

@@ -10,11 +10,11 @@ namespace {
 
 constexpr const char* kPortKey = "port";
 constexpr const char* kPath = "device";
-/// Keys that a `source` line sets itself.
+/// Keys that are valid only beside `kind`, since a `source` line contains their values.
 constexpr std::array kKeysOfKind{kPortKey,      kPath,   "width_px", "height_px", "frames_per_second",
                                  "exposure_ms", "memory"};
 
-/// Returns the camera's port path or file; rejects characters that begin an option, since no port has them.
+/// Returns the camera's port path or file; rejects characters that begin an option, since no port path contains them.
 std::string device_of(const std::string& kind, ConfigTable* camera) {
   if (camera->has(kPortKey) && camera->has(kPath))
     camera->refuse(kPath, "and port name the same camera twice; remove one");
@@ -23,7 +23,7 @@ std::string device_of(const std::string& kind, ConfigTable* camera) {
   if (device.find_first_of("?&\n") != std::string::npos)
     camera->refuse(key, "holds '?', '&' or a line's end; no port does");
   if (key == kPath && !device.starts_with("/")) camera->refuse(kPath, "must be a path, as /dev/v4l/by-path/...");
-  // A V4L2 port is no path, whereas libcamera's ids are device tree paths.
+  // A V4L2 port is not a file path, whereas libcamera's ids are device tree paths.
   if (key == kPortKey && kind == "v4l2" && device.starts_with("/")) {
     camera->refuse(kPortKey, "is a path; write device = \"...\"");
   }

@@ -17,7 +17,7 @@ constexpr double kRateWeight = 4.0;
 constexpr double kSmallerWeight = 1.0;
 constexpr double kLargerWeight = 0.5;
 
-/// A calibration can wait, but it cannot do without colour.
+/// Cost of an offer without colour when colour is requested: a calibration accepts a low rate, but it needs colour.
 constexpr double kGreyWeight = 100.0;
 
 /// Cost of reading the pixels: a JPEG takes milliseconds, the others a tenth of a millisecond.
@@ -26,7 +26,7 @@ double layout_weight(PixelLayout layout) {
     case PixelLayout::kGrey8:
       return 0.0;
     case PixelLayout::kPlanarYuv:
-      return 0.005;  // As quick to read, but the unused colour takes bus bandwidth.
+      return 0.005;  // As quick to read as kGrey8, but the unused colour takes bus bandwidth.
     case PixelLayout::kYuyv:
     case PixelLayout::kUyvy:
       return 0.02;

@@ -26,7 +26,7 @@ int surplus_bits(PixelLayout layout) {
   }
 }
 
-/// Reads rows with `step` bytes per pixel and brightness in byte `first` of each.
+/// Reads rows with `step` bytes per pixel and brightness in byte `first` of each pixel.
 void take_every(std::size_t step, std::size_t first, const RawPicture& raw, GreyImage* ret_grey) {
   for (int y = 0; y < raw.height; ++y) {
     const std::byte* const row = raw.bytes.data() + static_cast<std::size_t>(y) * raw.row_bytes + first;
@@ -101,7 +101,7 @@ struct YuvToRgb {
 /// Start and stride of a row's brightness and chroma, for the first of a pair of pixels.
 struct YuvRow {
   const std::byte* brightness = nullptr;
-  const std::byte* chroma = nullptr;  ///< U and V in turn.
+  const std::byte* chroma = nullptr;  ///< Alternating U and V.
   std::size_t brightness_step = 1;
   std::size_t chroma_step = 1;  ///< Distance between U and V in bytes.
 };

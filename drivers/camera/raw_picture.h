@@ -11,10 +11,10 @@
 
 namespace cyclorama::camera {
 
-/// Layout of brightness in a camera's bytes; tracking uses nothing else. Ordered by the cost of reading.
+/// Layout of the brightness in a camera's picture. Tracking uses only the brightness.
 enum class PixelLayout {
   kGrey8,      ///< GREY.
-  kPlanarYuv,  ///< A first plane as kGrey8, then colour: NV12, NV21, NV16, YU12, YV12, 422P...
+  kPlanarYuv,  ///< First plane like kGrey8, then colour: NV12, NV21, NV16, YU12, YV12, 422P...
   kGrey16,     ///< Two bytes per pixel, the low one first, all 16 bits used: Y16.
   kGrey12,     ///< Layout of kGrey16 with 12 bits used.
   kGrey10,     ///< Layout of kGrey16 with 10 bits used.
@@ -24,7 +24,7 @@ enum class PixelLayout {
 };
 
 [[nodiscard]] std::string_view name_of(PixelLayout layout);
-/// Bytes per pixel in a row; 0 for a JPEG.
+/// Returns the bytes per pixel in a row; 0 for a JPEG.
 [[nodiscard]] std::size_t bytes_per_pixel(PixelLayout layout);
 
 /// Layout of a picture's colours, which only a calibration uses.
@@ -60,7 +60,7 @@ struct RawPicture {
 Status to_grey(const RawPicture& raw, JpegDecoder* jpeg, GreyImage* ret_grey);
 
 /// Converts to red, green and blue by ITU-R BT.601, clipped to 0 to 255. Precondition: `raw.colour.chroma` is not
-/// kNone. Errors: as to_grey().
+/// kNone. Errors: those of to_grey().
 Status to_colour(const RawPicture& raw, JpegDecoder* jpeg, RgbImage* ret_colour);
 
 }  // namespace cyclorama::camera

@@ -44,7 +44,7 @@ Made make_simulated_camera(const CameraSpec& spec, const Clock& clock) {
   return std::unique_ptr<camera::Camera>(std::make_unique<simulated::SimulatedCamera>(std::move(simulation), clock));
 }
 
-/// Reads an option that all real cameras have; false if it is not one of these.
+/// Reads an option that all real cameras have; returns false for any other option.
 Result<bool> read_option(const CameraSpec& spec, std::string_view key, std::string_view value,
                          camera::PicturePreference* ret_preferred, Duration* ret_exposure) {
   if (key == "width_px" || key == "height_px") {

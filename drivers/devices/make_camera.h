@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Makes any camera from one line of text, as used in a settings file or behind --camera:
+/// Makes any camera from one line of text, as used in a settings file or after --camera:
 ///
 ///   # camera
 ///   v4l2                                               # The first V4L2 camera.
 ///   v4l2:usb-0000:00:14.0-2?exposure_ms=5              # The camera at this port.
 ///   v4l2:/dev/v4l/by-path/pci-0000:00:14.0-usb-0:2:1.0-video-index0?width_px=1280&height_px=720
-///   libcamera                                          # The first camera that only libcamera drives; or by its id.
+///   libcamera                                          # The first camera of libcamera; ":ID" selects another.
 ///   file:/srv/recordings/visit.mp4?loop=no             # A photo, a folder of photos, or a video.
 ///   file:/srv/photos?frames_per_second=10
 ///   simulated                                          # A hand with a tag: the demo's movement,
@@ -30,9 +30,9 @@
 
 namespace cyclorama::devices {
 
-/// Borrows `clock` for the camera's whole life.
+/// `clock` must outlive the camera.
 ///
-/// Errors: kInvalidArgument if the line itself is wrong (the message states what is legal, and a retry cannot help);
+/// Errors: kInvalidArgument if the line itself is wrong (the message states what is valid; a retry cannot help);
 /// kNotFound, kBusy, kUnavailable, kBadData or kSystem if the camera cannot be opened now.
 Result<std::unique_ptr<camera::Camera>> make_camera(std::string_view spec, const Clock& clock);
 

@@ -49,14 +49,14 @@ bool take(std::string_view key, std::string_view value, SerialTurntableOptions* 
   return true;
 }
 
-/// Returns the present name of an option if `key` is its former one, else nothing.
+/// Returns the current name of an option whose former name is `key`; empty for any other key.
 std::string_view renamed_to(std::string_view key) {
   if (key == "least_deg") return "min_deg";  // Renamed.
   if (key == "most_deg") return "max_deg";   // Renamed.
   return {};
 }
 
-/// Returns no options for a manual turntable.
+/// Parses the line; returns no options for a manual turntable.
 Result<std::optional<SerialTurntableOptions>> parse(std::string_view spec) {
   std::string_view rest = spec;
   const std::string_view kind = cut(&rest, ':');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Makes a turntable from one line of text, as used in a settings file or behind --turntable:
+/// Makes a turntable from one line of text, as used in a settings file or after --turntable:
 ///
 ///   # turntable
 ///   manual                                         # A person is asked to turn it.
@@ -16,12 +16,12 @@ namespace cyclorama::devices {
 
 /// `operated_by` is the operator of a manual turntable.
 ///
-/// Errors: kInvalidArgument if the line itself is wrong (the message states what is legal); others as
+/// Errors: kInvalidArgument if the line itself is wrong (the message states what is valid); others are those of
 /// turntable::SerialTurntable::open().
 Result<std::unique_ptr<turntable::Turntable>> make_turntable(std::string_view spec,
                                                              std::unique_ptr<turntable::TurntableOperator> operated_by);
 
-/// Checks the line only; opens nothing. Errors: kInvalidArgument as above.
+/// Checks the line without opening the turntable. Errors: kInvalidArgument if the line is wrong.
 Status check_turntable(std::string_view spec);
 
 }  // namespace cyclorama::devices

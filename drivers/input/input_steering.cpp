@@ -9,7 +9,7 @@
 namespace cyclorama::input {
 namespace {
 
-constexpr double kDead = 0.15;      // Fraction of a stick's travel; worn sticks rest off centre.
+constexpr double kDead = 0.15;      // Dead zone, as a fraction of a stick's travel: worn sticks rest off centre.
 constexpr double kCapFull = 350.0;  // Value that 3D mice report at full deflection of the cap.
 constexpr double kCapDead = 0.08;
 
@@ -81,7 +81,7 @@ double InputSteering::cap(int relative, int absolute, TimePoint now) const {
   const auto at = absolute_.find(absolute);
   const auto range = description_.absolute.find(absolute);
   if (at == absolute_.end() || range == description_.absolute.end()) return 0.0;
-  // The rest position is 0, whatever the limits are.
+  // The rest position is 0, even if the limits are asymmetric.
   const double full = std::max({std::abs(double{1} * range->second.min), std::abs(double{1} * range->second.max), 1.0});
   return gentle(std::clamp(at->second / full, -1.0, 1.0), kCapDead);
 }

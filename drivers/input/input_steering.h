@@ -55,7 +55,7 @@ struct InputCommand {
   friend bool operator==(const InputCommand&, const InputCommand&) = default;
 };
 
-/// State of one device. A value.
+/// State of one input device. A value.
 class InputSteering {
  public:
   /// `description` must be of `kind`.

@@ -13,7 +13,7 @@
 
 namespace cyclorama::input {
 
-/// An open device. Thread-bound.
+/// An open input device. Thread-bound.
 class InputDevice {
  public:
   virtual ~InputDevice() = default;
@@ -28,7 +28,7 @@ struct InputDevices {
   std::function<Result<std::unique_ptr<InputDevice>>(const std::string&)> open;
 };
 
-/// All devices that can steer, plugged in at any time; their commands add up. Thread-bound.
+/// All input devices that can steer, including those plugged in later. Their commands add up. Thread-bound.
 ///
 ///   listed ── opens, can steer ──► open ── unplugged, or gone from the list ──► closed: its command ends
 ///      └───── cannot steer: ignored until it is gone from the list; cannot be opened: retried at the next scan
@@ -40,7 +40,7 @@ class InputWatch {
   /// Reads pending events and scans for devices every kLook. Call it about every 10 ms; does not block.
   void update(TimePoint now);
   [[nodiscard]] InputCommand command(TimePoint now) const;
-  /// Readable state, for people: "gamepad 'Pad 3'", or which device cannot be opened and why.
+  /// State in sentences for people: "gamepad 'Pad 3'", or a device that cannot be opened, with the reason.
   [[nodiscard]] std::vector<std::string> sentences() const;
   [[nodiscard]] std::size_t open_count() const { return open_.size(); }
 

@@ -8,7 +8,8 @@
 namespace cyclorama::output {
 namespace {
 
-/// Avoids a warning: glFinish already has the type of a Procedure, and the cast would be redundant.
+/// Casts an address to the type of a call. glFinish already has the type Procedure; a redundant cast would cause a
+/// warning.
 template <typename Call>
 Call as(Gl::Procedure procedure) {
   if constexpr (std::is_same_v<Call, Gl::Procedure>) {

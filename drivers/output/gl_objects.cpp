@@ -16,7 +16,7 @@ std::string log_of(GLuint id, PFNGLGETSHADERINFOLOGPROC read) {
   return std::string(text.data(), static_cast<std::size_t>(length));
 }
 
-/// Compiles and attaches; the program keeps the shader alive for as long as it needs it.
+/// Compiles a shader and attaches it to the program, which keeps the shader alive for as long as necessary.
 Status attach(const Gl& gl, GLuint program, GLenum kind, const char* source) {
   const GLuint shader = gl.CreateShader(kind);
   gl.ShaderSource(shader, 1, &source, nullptr);

@@ -23,7 +23,7 @@
 namespace cyclorama::output {
 
 struct HeadMode {
-  std::string name;  ///< Name of its projector, as in installation.toml.
+  std::string name;  ///< Name of the projector, as in installation.toml.
   int width_px = 0;
   int height_px = 0;
 };
@@ -42,7 +42,7 @@ struct HeadShown {
   };
   Light light = Light::kDark;
   TimePoint at{};           ///< For kNew, the time at which the head began to show the picture.
-  double refresh_hz = 0.0;  ///< Rate of its own mode; meaningless while dark.
+  double refresh_hz = 0.0;  ///< Rate of the head's mode; meaningless while dark.
   int depth_bits = 8;       ///< Bits per channel of the displayed code values; meaningless while dark.
 };
 
@@ -53,9 +53,9 @@ class Output {
 
   [[nodiscard]] virtual const std::vector<HeadMode>& heads() const = 0;
   [[nodiscard]] virtual double refresh_hz() const = 0;
-  /// For people: "headless EGL", "DRM /dev/dri/card0".
+  /// Returns a name for people: "headless EGL", "DRM /dev/dri/card0".
   [[nodiscard]] virtual std::string kind() const = 0;
-  /// GL calls of the context that is current on this thread; lives as long as the output.
+  /// GL calls of the context that is current on this thread; valid as long as the output exists.
   [[nodiscard]] virtual const Gl& gl() const = 0;
 
   /// Blocks until it is time to draw the next picture. Errors: kUnavailable if the output is lost; make a new one.
@@ -65,7 +65,7 @@ class Output {
   virtual Status draw_to(std::size_t head) = 0;
   /// Shows all drawn heads at once. Heads that were not drawn keep their picture.
   virtual Result<Presented> present() = 0;
-  /// States after the last present(), one for each of heads(); the reference lives as long as the output.
+  /// States after the last present(), one for each of heads(); the reference is valid as long as the output exists.
   [[nodiscard]] virtual const std::vector<HeadShown>& shown() const = 0;
 
  protected:

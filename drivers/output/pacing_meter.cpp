@@ -6,7 +6,7 @@
 
 namespace cyclorama::output {
 namespace {
-// In refresh periods.
+// Intervals between pictures, in refresh periods.
 constexpr double kLate = 1.25;
 constexpr double kMissed = 1.5;
 }  // namespace

@@ -11,10 +11,10 @@ namespace cyclorama::output {
 /// Interval between two successive new pictures on a head.
 struct PictureStep {
   Duration interval{};
-  /// Refreshes between them that repeated the old picture although a new one was drawn for each.
+  /// Refreshes in the interval that repeated the old picture although a new picture was drawn for each of them.
   std::uint64_t missed = 0;
-  /// More than a quarter of a refresh late, with none missed; occurs only without a vertical blank, where a clock sets
-  /// the pace.
+  /// True if the new picture was more than a quarter of a refresh late, but no refresh was missed. This occurs only
+  /// without a vertical blank, where a clock sets the pace.
   bool is_late = false;
 };
 

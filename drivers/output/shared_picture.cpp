@@ -42,7 +42,7 @@ struct Header {
   std::uint32_t width;
   std::uint32_t height;
   std::uint32_t reserved;
-  Word started;    // Newest picture whose slot was begun.
+  Word started;    // Newest picture whose writing has begun.
   Word published;  // Newest complete picture; 0 for none. Picture n is in slot n % kSlots.
   Slot slots[kSlots];
 };
@@ -132,8 +132,8 @@ Result<SharedPictureWriter> SharedPictureWriter::create(const std::filesystem::p
   if (!mapping->fd.is_open()) return Error::from_errno(fmt::format("creating '{}'", path.string()));
   const auto prepare = [&]() -> Status {
     const int fd = mapping->fd.get();
-    // Allocated now, so that a full disk causes an error here and not SIGBUS later. The lock is released with the
-    // process.
+    // Allocated now, so that a full disk causes an error here and not SIGBUS later. The lock is released when the
+    // process ends.
     const int refused = ::posix_fallocate(fd, 0, static_cast<off_t>(mapping->bytes));
     if (refused != 0) errno = refused;
     if (refused != 0 || ::fchmod(fd, 0644) != 0 || ::flock(fd, LOCK_EX | LOCK_NB) != 0) {

@@ -19,12 +19,12 @@
 namespace cyclorama::output {
 
 struct SharedPictureInfo {
-  std::uint64_t picture = 0;  ///< Number of published pictures, from 1; unchanged if nothing new was shown.
+  std::uint64_t picture = 0;  ///< Number of the picture, from 1; unchanged if nothing new was shown.
   std::uint64_t refresh = 0;  ///< Presented::refresh.
   TimePoint presented_at{};
 };
 
-/// <run_dir>/head-<head>.picture; bytes of `head` that are not allowed in a file name are written as %XX.
+/// Returns <run_dir>/head-<head>.picture; bytes of `head` that are not allowed in a file name are written as %XX.
 [[nodiscard]] std::filesystem::path shared_picture_path(const std::filesystem::path& run_dir, std::string_view head);
 
 /// Thread-bound; readers may be in any process. Never blocks on a reader.
@@ -50,8 +50,8 @@ class SharedPictureWriter {
 /// Thread-bound.
 class SharedPictureReader {
  public:
-  /// Errors: kNotFound if no writer has made the file yet; kBadData if it is not such a file or of another version;
-  /// kSystem with the text of errno.
+  /// Errors: kNotFound if no writer has made the file yet; kBadData if the file is not a shared picture or has another
+  /// version; kSystem with the text of errno.
   static Result<SharedPictureReader> open(const std::filesystem::path& path);
   SharedPictureReader(SharedPictureReader&&) noexcept;
   SharedPictureReader& operator=(SharedPictureReader&&) noexcept;

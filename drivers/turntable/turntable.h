@@ -23,11 +23,11 @@ struct TurnRange {
   double max_rad = 0.0;
 };
 
-/// Used by the calibrator, which does not depend on the kind. Thread-bound; calls block while the turntable moves.
+/// Interface to a turntable of any kind, for the calibrator. Thread-bound; calls block while the turntable moves.
 ///
-/// Errors of every call: kTimedOut if it stalled, that is, did not answer or did not arrive (free it and call home()
-/// again); kBadData if the device is no turntable, or it reports an error (call home() again); kUnavailable once Failed
-/// (see the diagram).
+/// Errors of every call: kTimedOut if the turntable stalled, that is, did not answer or did not arrive (free it and
+/// call home() again); kBadData if the device is not a turntable or reports an error (call home() again); kUnavailable
+/// once Failed (see the diagram).
 class Turntable {
  public:
   virtual ~Turntable() = default;
@@ -40,9 +40,9 @@ class Turntable {
   /// Finds angle 0 and stops there.
   Status home();
   /// Moves to `angle_rad` and returns once the drive reports standstill. Errors: kInvalidArgument if the angle is out
-  /// of range or not a number, or the turntable was not homed; it has then not moved.
+  /// of range or not a number, or the turntable was not homed; in both cases it has not moved.
   Status turn_to(double angle_rad);
-  /// Returns the angle as reported by the drive. Errors: kInvalidArgument if it was not homed.
+  /// Returns the angle as reported by the drive. Errors: kInvalidArgument if the turntable was not homed.
   Result<double> angle();
 
  protected:

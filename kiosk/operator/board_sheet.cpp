@@ -9,7 +9,7 @@
 namespace cyclorama::operations {
 namespace {
 
-constexpr double kBorder_mm = 6.0;  // White border of the board: its outer corners need none, but its tags do.
+constexpr double kBorder_mm = 6.0;  // White border of the board, which the tags at its edges need.
 
 VectorPage drawing(const TagBoard& board, const Paper& paper) {
   VectorPage page(paper.width_mm, paper.height_mm);

@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kName = "calibrate-camera";
 constexpr const char* kProgram = "cyclorama-calibrate-camera";
 
-/// Returns the program beside this one, else its name for a search along PATH.
+/// Returns the path of the program beside this one or, if there is none, the name to search along PATH.
 std::string program_path() {
   std::error_code problem;
   const auto here = std::filesystem::read_symlink("/proc/self/exe", problem).parent_path() / kProgram;

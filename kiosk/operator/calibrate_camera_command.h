@@ -15,7 +15,7 @@ struct CalibrateCameraCommand {
   std::string paper = "a4";
 
   void add_to(CLI::App* app);
-  /// Returns only after printing or on errors: kNotFound if cyclorama-calibrate-camera is missing; others as
+  /// Returns only after printing or on errors: kNotFound if cyclorama-calibrate-camera is missing; others are those of
   /// write_file_atomically().
   [[nodiscard]] Status run(const CLI::App& app) const;
 };

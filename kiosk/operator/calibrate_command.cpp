@@ -24,7 +24,7 @@ constexpr auto kToAnswer = std::chrono::seconds(5);
 constexpr auto kToRestore = std::chrono::seconds(30);
 constexpr std::size_t kMaxRemarkLength = 600;
 
-/// Cancels a call when the process receives a stop signal; active during its lifetime.
+/// Cancels a call when the process receives a stop signal; active while the object exists.
 class StoppedCall {
  public:
   StoppedCall(grpc::ClientContext* context, const StopSignal& stop)
@@ -42,12 +42,12 @@ class StoppedCall {
   std::jthread watcher_;
 };
 
-/// Shows questions on the terminal, and sends the typed answers; active during its lifetime.
+/// Shows questions on the terminal, and sends the typed answers; active while the object exists.
 class TypedAnswers {
  public:
   explicit TypedAnswers(wire::Calibrator::Stub* stub)
       : stub_(*stub), reader_([this](const std::stop_token& is_over) { read(is_over); }) {}
-  /// Shows a question; an empty text means that no question is open any more.
+  /// Shows a question; an empty text means that no question is open.
   void ask(const std::string& question) {
     if (!question.empty()) std::fprintf(stderr, "\n%s", printable(question, kMaxRemarkLength).c_str());
     is_asked_ = !question.empty();

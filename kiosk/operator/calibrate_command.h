@@ -19,8 +19,9 @@ struct CalibrateCommand {
   bool is_restored = false;
 
   void add_to(CLI::App* app);
-  /// Blocks until the calibration ends; a stop signal cancels it, and the previous show stays. Errors: kUnavailable if
-  /// it was cancelled, nobody listens there, or one runs already; others as defined in common/wire/calibration.proto.
+  /// Blocks until the calibration ends; a stop signal cancels it, and the previous calibration stays in use. Errors:
+  /// kUnavailable if it was cancelled, nobody listens at the address, or a calibration runs already; others are those
+  /// defined in common/wire/calibration.proto.
   [[nodiscard]] Status run(const StopSignal& stop) const;
 };
 

@@ -15,8 +15,8 @@
 namespace cyclorama::operations {
 
 /// Runs calibrations, or the location of the fixed cameras, on the calibrator, one at a time, and keeps the result of
-/// the last one, so that a page may be closed and opened again meanwhile. Thread-safe. Threads: one while something
-/// runs.
+/// the last one, so that a page can be closed and opened again in the meantime. Thread-safe. Threads: one while
+/// something runs.
 ///
 ///   idle ──start──▶ running ──done──▶ done      done, failed, cancelled ──start──▶ running
 ///                     ├──error──▶ failed
@@ -25,22 +25,22 @@ class CalibrationController {
  public:
   /// Errors: kInvalidArgument if the address is invalid. Does not connect yet.
   static Result<std::unique_ptr<CalibrationController>> make(const std::string& address);
-  /// Cancels what runs, and waits for its end.
+  /// Cancels the running work, and waits for its end.
   ~CalibrationController();
   CalibrationController(const CalibrationController&) = delete;
   CalibrationController& operator=(const CalibrationController&) = delete;
 
-  /// Errors: kBusy if something runs already.
+  /// Errors: kBusy if other work is running.
   Status start(const wire::CalibrateRequest& order);
-  /// Locates the fixed cameras by patterns; the remarks give the accuracy of each. Errors: kBusy if something runs
-  /// already.
+  /// Locates the fixed cameras by patterns; the remarks give the accuracy of each. Errors: kBusy if other work is
+  /// running.
   Status place_cameras();
   /// Idempotent; the state becomes "cancelled" when the calibrator has stopped.
   void cancel();
   /// Answers the calibration's question. Errors: kNotFound if there is no open question; kUnavailable, kTimedOut.
   Status answer(const std::string& text);
-  /// Restores the previous calibration and returns its date. Errors: kBusy if something runs; kNotFound if there is
-  /// none; kUnavailable, kTimedOut.
+  /// Restores the previous calibration and returns its date. Errors: kBusy if other work is running; kNotFound if there
+  /// is none; kUnavailable, kTimedOut.
   Result<std::string> restore();
 
   /// Returns {"what": "wall" or "cameras", "state", "step", "fraction", "error", "date", "remarks": [],
@@ -54,7 +54,7 @@ class CalibrationController {
   Status begin(const char* what, const char* step, std::function<void(grpc::ClientContext*)> work);
   void calibrate(const wire::CalibrateRequest& order, grpc::ClientContext* context);
   void place(grpc::ClientContext* context);
-  /// Requires mutex_.
+  /// Ends the running work. Requires mutex_.
   void end(bool is_done, const grpc::Status& status, const char* doing);
 
   const std::unique_ptr<wire::Calibrator::Stub> calibrator_;
@@ -79,7 +79,7 @@ struct CalibrationRequest {
   wire::CalibrateRequest order;  ///< Set for kStart.
   std::string text;            ///< Set for kAnswer.
 };
-/// Errors: kBadData if the text is not such JSON; the message names the mistake.
+/// Errors: kBadData if the text is not the JSON of a request; the message names the mistake.
 Result<CalibrationRequest> parse_calibration_request(std::string_view json);
 
 }  // namespace cyclorama::operations

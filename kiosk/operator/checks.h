@@ -22,7 +22,7 @@ struct Check {
   std::string id;     ///< Key in pages and scripts: "part-tour", "disk".
   std::string title;  ///< Title for people: "Tour", "Room on the disk".
   CheckLevel level = CheckLevel::kOk;
-  std::string sentence;  ///< Present condition.
+  std::string sentence;  ///< The condition found.
   std::string remedy;    ///< Remedy; empty when nothing is wrong.
 };
 
@@ -30,7 +30,7 @@ struct Check {
 struct Findings {
   std::vector<ProcessObservation> processes;
   MachineFacts machine;
-  bool is_museum = false;  ///< True with a state folder, where settings should be in use.
+  bool is_museum = false;  ///< True if there is a state folder, so that settings should be in use.
   std::optional<provision::ProvisioningReport> provisioning;
   std::optional<update::UpdateStatus> update;
   std::chrono::system_clock::time_point now;
@@ -42,7 +42,7 @@ struct Findings {
 
 /// Returns a table for a terminal, the worst first, with remedies beneath.
 [[nodiscard]] std::string checks_table(const std::vector<Check>& checks);
-/// [{"id", "title", "level", "sentence", "remedy"}]
+/// Returns [{"id", "title", "level", "sentence", "remedy"}].
 [[nodiscard]] std::string checks_json(const std::vector<Check>& checks);
 
 }  // namespace cyclorama::operations

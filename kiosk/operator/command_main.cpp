@@ -145,7 +145,7 @@ void record_span(const Options& options, Recording* recording, RecordedSpan* spa
     }
     progress.update(std::min(1.0, to_seconds(now - begin) / options.seconds));
   }
-  // The counts are those of the newest answers.
+  // The counts come from the newest answers of the processes.
   span->seconds = to_seconds(SteadyClock().now() - begin);
   span->frames = std::max(0.0, recording->frames() - frames_before);
   span->poses = std::max(0.0, recording->poses() - poses_before);
@@ -184,7 +184,7 @@ Status run(Options& options, const CLI::App& app, const StopSignal& stop) {
   if (is_usual && options.watches.empty() && !options.endpoints) options.watches = usual_watches();
   if (app.got_subcommand("calibrate-camera")) return options.calibrate_camera.run(app);
   std::vector<Endpoint> endpoints;
-  // A render host with nodes only has no process that answers; the check covers its machine.
+  // A render host with nodes only has no process that answers; `doctor` then checks only the machine.
   if (!is_usual || !options.watches.empty() || options.endpoints) {
     TRY_ASSIGN(endpoints, gather_endpoints(options.watches, options.endpoints));
   }

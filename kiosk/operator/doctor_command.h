@@ -13,8 +13,8 @@
 namespace cyclorama::operations {
 
 /// Returns the processes of this computer that answer status requests, as its units start them: those of a museum, or
-/// the coordinator of a render host. A node answers none, so the list is empty there. `root` is the root of the file
-/// system.
+/// the coordinator of a render host. The list is empty on a host with nodes only, since nodes do not answer. `root` is
+/// the root of the file system.
 [[nodiscard]] std::vector<std::string> usual_watches(const std::filesystem::path& root = "/");
 
 /// cyclorama doctor: prints the operator page's list of findings, with remedies.

@@ -11,7 +11,7 @@
 namespace cyclorama::operations {
 namespace {
 
-/// Names become file names, labels and addresses of pictures.
+/// True for a name that is safe as a file name, a label and a part of a URL.
 bool is_name(std::string_view text) {
   const auto is_plain = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';

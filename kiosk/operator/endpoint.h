@@ -21,8 +21,8 @@ struct Endpoint {
 Result<Endpoint> parse_endpoint(std::string_view text);
 
 /// Combines the options (`--watch NAME=ADDRESS`, which take precedence) and, if given, a file of [[watch]] tables with
-/// name and address. Errors: kInvalidArgument if a name comes twice, there is none at all, or more than kMaxEndpoints;
-/// otherwise as Config::read().
+/// name and address. Errors: kInvalidArgument if a name occurs twice, or there are no endpoints or more than
+/// kMaxEndpoints; others are those of Config::read().
 Result<std::vector<Endpoint>> gather_endpoints(const std::vector<std::string>& watches,
                                                const std::optional<std::filesystem::path>& file);
 inline constexpr std::size_t kMaxEndpoints = 24;

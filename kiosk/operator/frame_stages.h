@@ -11,7 +11,7 @@
 
 namespace cyclorama::operations {
 
-/// `inside` names the stage that contains this one, or is empty. A containing stage comes before its parts.
+/// A stage. `inside` names the stage that contains it, or is empty. A containing stage comes before its parts.
 struct FrameStage {
   std::string_view name;
   std::string_view where;  ///< "tracker", "tour", "farm", "display", "whole".
@@ -37,7 +37,7 @@ inline constexpr std::array<FrameStage, 16> kFrameStages{{
     {"shutter_to_photon", "whole", ""},
 }};
 
-/// Returns the tour's stages in the order above; unknown ones come last, in their own order.
+/// Returns the tour's stages in the order above; unknown stages come last, in the tour's order.
 [[nodiscard]] std::vector<wire::Stage> in_frame_order(const wire::ProcessStatus& tour);
 
 }  // namespace cyclorama::operations

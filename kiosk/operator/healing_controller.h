@@ -19,11 +19,11 @@ class HealingController {
 
   /// Returns watched_json() of the calibrator's present status; "null" if it does not answer.
   [[nodiscard]] std::string json() const;
-  /// Aligns the projectors anew. Errors: kUnavailable, kTimedOut, with the reason, if nobody answers or nothing
-  /// watches.
+  /// Aligns the projectors again. Errors: kUnavailable, kTimedOut, with the reason, if the calibrator does not answer
+  /// or does not watch the wall.
   Status realign();
-  /// Undoes the last correction in effect and returns its description. Errors: kNotFound if there is none; others as
-  /// realign().
+  /// Undoes the last correction in effect and returns its description. Errors: kNotFound if there is none; others are
+  /// those of realign().
   Result<std::string> undo();
 
  private:
@@ -33,8 +33,8 @@ class HealingController {
 };
 
 /// Returns {"sentence", "projectors": [{"name", "state", "reason", "off_px", "sigma_px", "corrections", "last_px",
-/// "last_s", "wants_scan"}], "names": [], "history": [[s_ago, off_px or null of each]]}; "null" where nothing watches.
-/// A cell of the wrong type is null.
+/// "last_s", "wants_scan"}], "names": [], "history": [[s_ago, off_px or null of each]]}; "null" if the calibrator does
+/// not watch the wall. A cell of the wrong type is null.
 [[nodiscard]] std::string watched_json(const wire::ProcessStatus& calibrator);
 
 }  // namespace cyclorama::operations

@@ -30,7 +30,7 @@ std::vector<std::string> heads_of(const ProcessObservation& display) {
   return heads;
 }
 
-/// Returns true for a healthy display of a closed museum, which would light its heads if it were open.
+/// True if a healthy display keeps its heads dark because the museum is closed.
 bool sleeps(const ProcessObservation& display) {
   return display.status->healthy() && gauge_of(*display.status, "awake").value_or(1.0) == 0.0;
 }

@@ -21,8 +21,8 @@ struct HealthRules {
   std::vector<std::string> well;  ///< Processes that must report that they are healthy, besides answering.
   int heads = 1;                  ///< Minimum number of heads of all displays together.
   int looks = 3;                  ///< Number of consecutive checks that must find nothing wrong.
-  /// Heads that were dark before the restart: their projectors may still be off. Their pictures are checked all the
-  /// same.
+  /// Heads that were dark before the restart: their projectors may still be off. Their pictures are checked
+  /// nevertheless.
   std::set<std::string> may_be_dark;
 };
 
@@ -34,13 +34,13 @@ struct HealthSnapshot {
 
 /// Returns one sentence for each condition that is not met yet; none when all are. Pure.
 ///   1. Every process answers.
-///   2. Those in `well` are healthy.
+///   2. The processes in `well` are healthy.
 ///   3. No display has lost its output; each of its heads has a picture, and is lit, unless the display sleeps because
 ///      the museum is closed: then it draws for heads that are dark.
 [[nodiscard]] std::vector<std::string> still_missing(const HealthSnapshot& look, const HealthRules& rules);
 
-/// Counts good checks in a row. A process that restarted since the previous check resets the count, since one that
-/// dies every few seconds answers most of the time. A value.
+/// Counts good checks in a row. A process that restarted since the previous check resets the count, since a
+/// process that dies every few seconds answers most of the time. A value.
 class HealthCount {
  public:
   explicit HealthCount(HealthRules rules) : rules_(std::move(rules)) {}
@@ -56,7 +56,7 @@ class HealthCount {
   std::vector<std::string> missing_{"nothing has been looked at yet"};
 };
 
-/// Queries every process, then every display for its heads' pictures. Blocks as ProcessLink's calls.
+/// Queries every process, then every display for its heads' pictures. Blocks like ProcessLink's calls.
 [[nodiscard]] HealthSnapshot look_at(const std::vector<ProcessLink>& links);
 
 /// Returns the heads of all displays that are dark now, asleep or without a projector.

@@ -83,7 +83,7 @@ Status run(Options options, const StopSignal& stop) {
   const double seconds = to_seconds(now - begin);
   if (options.report) {
     const Status written = write_file_atomically(*options.report, health_json(count, seconds));
-    // A full disk does not make this version worse.
+    // A full disk is no reason to give up this version.
     if (!written) log(LogLevel::kWarning, written.error().message() + ", ignoring");
   }
   if (count.is_well()) {

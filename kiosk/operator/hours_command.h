@@ -16,7 +16,8 @@ struct HoursCommand {
   std::string until;
 
   void add_to(CLI::App* app);
-  /// Prints the resulting state. Errors: kInvalidArgument for an impossible or missing time; otherwise as set_hours().
+  /// Prints the resulting state. Errors: kInvalidArgument for an impossible or missing time; others are those of
+  /// set_hours().
   [[nodiscard]] Status run(std::chrono::system_clock::time_point now) const;
 };
 

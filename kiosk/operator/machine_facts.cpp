@@ -96,7 +96,7 @@ void read_clock(const fs::path& root, MachineFacts* ret) {
     return;
   }
   timex state{};
-  const int answer = ::adjtimex(&state);  // Only reads, but a sandbox may refuse it nevertheless.
+  const int answer = ::adjtimex(&state);  // The call only reads, but a sandbox may refuse it.
   if (answer >= 0) ret->is_clock_set = (state.status & STA_UNSYNC) == 0;
 }
 
@@ -123,8 +123,8 @@ bool is_shut(const fs::path& state) {
   return !fd.is_open() && errno == EIO;
 }
 
-/// Reads the file system's own state, which follows " - " in proc(5)'s mountinfo. statvfs() reports that of the mount:
-/// one that a service may not write to (ProtectSystem=) is read-only although the disk is well.
+/// Reads the file system's own state, which follows " - " in proc(5)'s mountinfo. statvfs() would report the state of
+/// the mount, which is read-only if the service may not write to it (ProtectSystem=), although the disk is well.
 bool is_file_system_read_only(const fs::path& state, const fs::path& root) {
   struct stat info {};
   const auto mounts = line_of(root / "proc/self/mountinfo");

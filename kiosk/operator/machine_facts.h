@@ -13,10 +13,10 @@ namespace cyclorama::operations {
 struct MachineFacts {
   std::optional<std::uint64_t> disk_free_bytes{};  ///< Free space on the disk that holds the museum's state.
   std::optional<std::uint64_t> disk_bytes{};
-  std::optional<bool> is_read_only{};  ///< True when that disk is read-only, as a kernel sets it after an error.
+  std::optional<bool> is_read_only{};  ///< True if that disk is read-only, as the kernel makes it after an error.
   std::optional<double> warmest_c{};   ///< Maximum of all thermal zones.
   std::optional<double> critical_c{};  ///< Temperature at which that zone switches the computer off.
-  std::optional<bool> is_clock_set{};  ///< Set by a time server since the start.
+  std::optional<bool> is_clock_set{};  ///< True once a time server has set the clock.
   std::optional<double> memory_free_share{};
   std::string only_in_memory{};      ///< Reason why the image keeps its state in memory only; empty: it does not.
   std::uint64_t slowed_by_heat = 0;  ///< Number of times since the start that heat slowed the processor.

@@ -8,7 +8,8 @@
 
 namespace cyclorama::operations {
 
-/// Returns metrics in Prometheus' text format 0.0.4. Written here without a registry, since all numbers live elsewhere.
+/// Returns metrics in Prometheus' text format 0.0.4. It needs no metrics registry, since the processes keep all
+/// numbers.
 ///
 ///   cyclorama_up{process}  cyclorama_healthy{process}  cyclorama_uptime_seconds{process}
 ///   cyclorama_stage_seconds{process,stage,quantile} and cyclorama_stage_seconds_count{process,stage}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The operator page's requests about a museum besides its parts.
+/// The operator page's requests that concern the museum rather than its processes.
 ///
 ///   GET  /museum                 {"level", "checks": [], "schedule", "provisioning", "update", ...}
 ///   POST /network-test           {"checks": []}; takes some seconds; 429: one runs
@@ -27,7 +27,8 @@ class Server;
 
 namespace cyclorama::operations {
 
-/// Outlives the server. Borrowed pointers may be null; the page then reports that the feature is missing.
+/// Must outlive the server. The pointers are borrowed and may be null; the page then reports that the feature is
+/// missing.
 struct MuseumServices {
   Watch* watch = nullptr;
   CalibrationController* calibration = nullptr;
@@ -40,7 +41,7 @@ struct MuseumServices {
   std::atomic<bool> is_bundling{false};
 };
 
-/// Errors: kBadData for any other form.
+/// Parses the body of POST /hours. Errors: kBadData for any other form.
 Result<HoursRequest> parse_hours_request(const std::string& json);
 
 void serve_museum(httplib::Server& server, MuseumServices* services);

@@ -13,7 +13,7 @@
 
 namespace cyclorama::operations {
 
-/// The folder "/var/lib/cyclorama", written by cyclorama-provision. A value; every call reads the disk anew.
+/// The folder "/var/lib/cyclorama", written by cyclorama-provision. A value; every call reads the disk again.
 struct MuseumState {
   std::filesystem::path root;
 
@@ -24,7 +24,7 @@ struct MuseumState {
 };
 
 struct OpeningSchedule {
-  std::vector<std::string> lines;           ///< Copied from site.toml; none: always open.
+  std::vector<std::string> lines;           ///< Hours as in site.toml; none: always open.
   bool is_open = true;                      ///< Present state, including an override while it holds.
   std::string problem;                      ///< Reason why the hours are unknown; empty: they are known.
   std::string zone;                         ///< Time zone of the hours: "Europe/Zurich".
@@ -41,8 +41,9 @@ struct HoursRequest {
   Kind kind = Kind::kSettings;
   std::string until{};  ///< End of kOpen: "22:00".
 };
-/// Takes effect from the next second on, in every program that reads the hours. Errors: kInvalidArgument, kUnavailable
-/// as open_until(); kSystem if the override cannot be written; others if the settings cannot be read.
+/// Changes the override, which takes effect in the next second in every program that reads the hours. Errors:
+/// kInvalidArgument and kUnavailable are those of open_until(); kSystem if the override cannot be written; others if
+/// the settings cannot be read.
 Status set_hours(const MuseumState& museum, const HoursRequest& wanted, WallTime clock);
 
 /// Returns the addresses of the farm's coordinators in the settings in use; none if the settings cannot be read.

@@ -20,7 +20,8 @@ struct ProcessObservation {
   [[nodiscard]] bool is_well() const { return asked && !away && status->healthy(); }
 };
 
-/// Queries the process; blocks as ProcessLink::status(). `last` supplies the status to keep while the process is away.
+/// Queries the process; blocks like ProcessLink::status(). `last` supplies the status to keep while the process is
+/// away.
 [[nodiscard]] ProcessObservation observe(const ProcessLink& link, const ProcessObservation& last);
 
 /// Returns the newest value, or nothing.

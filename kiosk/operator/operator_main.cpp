@@ -46,7 +46,7 @@ void add_options(CLI::App& app, Options* options) {
                  "Folder for requests to the system: a file 'update' or 'factory-reset' triggers a systemd unit");
 }
 
-/// State of a page with a PIN; empty for a page without.
+/// State of a page with a PIN; empty for a page without a PIN.
 struct OperatorAccess {
   std::optional<PageCertificate> certificate;
   std::optional<HttpTls> tls;

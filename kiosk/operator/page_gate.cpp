@@ -41,7 +41,8 @@ bool is_loopback_host(const std::string& host) {
   return false;
 }
 
-/// Another page in the same browser can post, but cannot hide its origin, nor send the type JSON.
+/// True unless the request names another origin. Another page in the same browser can post, but it can neither hide its
+/// origin nor send the type JSON.
 bool is_from_this_page(const httplib::Request& request) {
   const std::string site = request.get_header_value("Sec-Fetch-Site");
   if (!site.empty() && site != "same-origin" && site != "none") return false;

@@ -7,8 +7,8 @@
 ///   without (loopback):    open to everybody on this computer, but only under a loopback name, so that a foreign name
 ///                          that resolves to it (DNS rebinding) is refused
 ///
-/// In both cases a request that changes something must be JSON, and from this very page if its browser sends its
-/// origin.
+/// In both cases a request that changes something must be JSON and, if the browser sends its origin, come from this
+/// page.
 #pragma once
 
 #include <functional>
@@ -25,9 +25,9 @@ class Server;
 
 namespace cyclorama::operations {
 
-/// Must be called before the other routes are added. `sessions` is borrowed; null: no PIN. `login` lists the files that
-/// need no PIN and must include "/login.html". `told` returns public findings: nothing once there is a PIN. It is
-/// called by several threads.
+/// Guards all routes of a server. Must be called before the other routes are added. `sessions` is borrowed; null: no
+/// PIN. `login` lists the files that need no PIN and must include "/login.html". `told` returns public findings:
+/// nothing once there is a PIN. Several threads call `told`.
 void guard(httplib::Server& server, Sessions* sessions, std::span<const PageFile> login,
            std::function<std::vector<Check>()> told);
 

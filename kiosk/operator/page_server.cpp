@@ -22,7 +22,7 @@ void serve_state(httplib::Server& server, Watch* watch) {
     response.set_content(metrics_text(watch->observations()), "text/plain; version=0.0.4");
   });
   server.Get(R"(/picture/([^/]+)/(.+)\.jpg)", [watch](const httplib::Request& request, httplib::Response& response) {
-    // The wire carries only UTF-8; other bytes become '?', which no picture's name holds.
+    // The wire carries only UTF-8; other bytes become '?', which no picture's name contains.
     const auto picture = watch->picture(request.matches[1].str(), printable(request.matches[2].str(), 200));
     if (!picture) return answer_error(picture.error(), response);
     response.set_content((*picture)->jpeg(), "image/jpeg");

@@ -3,11 +3,11 @@
 ///
 ///   GET  /                           the page; its other files as /page.css, /page.js
 ///   GET  /status                     status_json.h
-///   GET  /picture/PROCESS/NAME.jpg   the newest picture; NAME may hold '/' (encoded or not). 404: none (yet)
+///   GET  /picture/PROCESS/NAME.jpg   the newest picture; NAME may contain '/' (encoded or not). 404: none (yet)
 ///   GET  /metrics                    metrics.h
 ///   GET  /door                       {"checks": []}: why nobody can log in yet; needs no PIN (login_checks.h)
 ///   POST /steer                      {"forward", "right", "turn"} as application/json; 204
-///   and those of museum_routes.h.
+///   and the requests of museum_routes.h.
 ///
 /// Errors are {"error": sentence} with 400, 401 (no PIN was entered: page_gate.h), 403, 404, 413, 415, 421, 429, 502
 /// (the process is away) or 504 (it hangs).
@@ -31,12 +31,12 @@ struct PageExtras {
   const HttpTls* tls = nullptr;
 };
 
-/// Threads and limits: as HttpServer. Thread-bound.
+/// Serves the page. Threading and limits are those of HttpServer. Thread-bound.
 class PageServer {
  public:
-  /// `watch` is borrowed. `address` as for WireServer: "[::1]:8080"; port 0 takes a free one. Errors: as
-  /// HttpServer::start(); kInvalidArgument if the address is not loopback and there is no PIN, or there is a PIN
-  /// without TLS.
+  /// `watch` is borrowed. `address` has the form that WireServer expects: "[::1]:8080"; port 0 selects a free port.
+  /// Errors: those of HttpServer::start(); kInvalidArgument if the address is not loopback and there is no PIN, or
+  /// there is a PIN without TLS.
   static Result<std::unique_ptr<PageServer>> start(const std::string& address, Watch* watch,
                                                    const PageExtras& extras = {});
 

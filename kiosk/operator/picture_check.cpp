@@ -8,7 +8,7 @@
 namespace cyclorama::operations {
 namespace {
 
-constexpr int kNoiseLevels = 6;  // Above JPEG's noise at quality 92 on a still picture.
+constexpr int kNoiseLevels = 6;  // Differences up to this level count as JPEG's noise, at quality 92.
 constexpr double kBlankShare = 0.001;
 constexpr int kGapPx = 4;
 constexpr std::array<std::uint8_t, 3> kGround{16, 14, 12};

@@ -13,7 +13,7 @@ namespace cyclorama::operations {
 /// Returns the share of pixels that differ by more than JPEG's noise, in [0, 1]; 1 for pictures of different sizes.
 [[nodiscard]] double changed_share(const RgbImage& before, const RgbImage& after);
 
-/// Averages a picture down to at most `width`, keeping its aspect ratio; a smaller one stays as it is.
+/// Averages a picture down to at most `width`, keeping its aspect ratio; a smaller picture is not changed.
 [[nodiscard]] RgbImage shrunk(const RgbImage& picture, int width);
 
 /// Arranges pictures side by side in rows, on a dark ground, each shrunk to `cell_width`. Rows may differ in length and

@@ -11,8 +11,8 @@
 
 namespace cyclorama::operations {
 
-/// Connection to one watched process. The process may come and go; each call finds out. Every call blocks for at most
-/// two seconds (Inspection's deadline). Thread-safe.
+/// Connection to one watched process, which may come and go between calls. Every call blocks for at most two seconds
+/// (Inspection's deadline). Thread-safe.
 class ProcessLink {
  public:
   /// Does not connect yet. Errors: kInvalidArgument if the address is invalid.
@@ -21,9 +21,10 @@ class ProcessLink {
   [[nodiscard]] const Endpoint& endpoint() const { return endpoint_; }
   /// Errors: kUnavailable if the process is away, kTimedOut if it hangs.
   Result<wire::ProcessStatus> status() const;
-  /// Errors: kNotFound if there is no such picture (yet): it is made after the first request; otherwise as status().
+  /// Errors: kNotFound if there is no such picture (yet): it is made after the first request; others are those of
+  /// status().
   Result<wire::Picture> picture(const std::string& name) const;
-  /// For the tour only. Errors: kInvalidArgument for a value beyond [-1, 1]; otherwise as status().
+  /// For the tour only. Errors: kInvalidArgument for a value beyond [-1, 1]; others are those of status().
   Status steer(const wire::SteerRequest& request) const;
 
  private:

@@ -8,15 +8,15 @@
 
 namespace cyclorama::operations {
 
-/// cyclorama realign: aligns the projectors anew while the show goes on, locates the fixed cameras, or undoes the last
-/// correction.
+/// cyclorama realign: aligns the projectors again while the show continues, locates the fixed cameras, or undoes the
+/// last correction.
 struct RealignCommand {
   std::string calibrator = "[::1]:7410";
   bool places_cameras = false;
   bool undoes = false;
 
   void add_to(CLI::App* app);
-  /// Errors: as defined in common/wire/show.proto.
+  /// Errors: those defined in common/wire/show.proto.
   [[nodiscard]] Status run() const;
 };
 

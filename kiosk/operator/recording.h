@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A recorded part of a visit: the newest of each picture, some over time, and the states of the processes.
+/// A recorded part of a visit: the newest version of each picture, some pictures over time, and the states of the
+/// processes.
 #pragma once
 
 #include <map>
@@ -20,7 +21,7 @@ struct RecordedPicture {
   std::string name;
   RgbImage newest;
   double max_changed = 0.0;        ///< Maximum of changed_share() between any later picture and the first.
-  RgbImage first;                  ///< Empty until one arrives.
+  RgbImage first;                  ///< Empty until a picture arrives.
   std::vector<RgbImage> overtime;  ///< Shrunk copies of the newest picture at each tick().
 };
 
@@ -32,14 +33,14 @@ struct RecordedProcess {
   bool answered = false;
 };
 
-/// Takes samples only in look() and tick(), which the caller times. Thread-bound.
+/// Takes samples only in look() and tick(), which the caller calls periodically. Thread-bound.
 class Recording {
  public:
   explicit Recording(std::vector<ProcessLink> links);
 
   /// Requests the state and all pictures of every process; blocks at most two seconds for each process that hangs.
   void look(TimePoint now);
-  /// Appends the newest of each picture to its `overtime`.
+  /// Appends the newest version of each picture to its `overtime`.
   void tick();
   /// Resets absences and changes, which count from the start of the visit.
   void begin();

@@ -19,7 +19,7 @@ constexpr std::size_t kMaxSecretFileBytes = 256 * 1024;
 constexpr std::size_t kMaxSecrets = 4000;
 constexpr std::array<std::string_view, 11> kSecretWords{
     "pin", "password", "passwords", "passwd", "secret", "secrets", "token", "phrase", "key", "credential", "auth"};
-// Settings that are no secrets, or name the file of one.
+// Settings that are not secrets, or that name the file of a secret.
 constexpr std::array<std::string_view, 4> kHarmlessKeys{"key", "password_file", "token_file", "has_pin"};
 constexpr std::array<std::string_view, 12> kOpenFiles{".toml", ".crt", ".png",   ".jpg", ".jpeg", ".obj",
                                                       ".pfm",  ".exr", ".mpcdi", ".xml", ".data", ".json"};
@@ -95,7 +95,7 @@ void Redaction::add_secrets_of(const fs::path& folder) {
     const bool is_open = std::find(kOpenFiles.begin(), kOpenFiles.end(), extension) != kOpenFiles.end();
     if (is_open || entry->path().filename().string().starts_with(".")) continue;
     const auto text = read_text_file(entry->path(), kMaxSecretFileBytes);
-    if (!text) continue;  // What this program may not read cannot get into its texts.
+    if (!text) continue;  // A file that this program may not read cannot get into its texts.
     for_each_line(*text, [&](std::string_view line) {
       if (!begins_pem(line) && !ends_pem(line)) add_secret(line);
     });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Sessions of the operator page: access for a while to those who entered the PIN.
+/// Sessions of the operator page: temporary access for people who have entered the PIN.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ struct SessionRules {
   Duration longest = std::chrono::hours(12);
   /// Maximum time without a request; an open page sends some every second.
   Duration idle = std::chrono::minutes(30);
-  std::size_t max = 32;  ///< Maximum number of sessions; beyond it the one idle for longest is closed.
+  std::size_t max = 32;  ///< Maximum number of sessions; beyond it, the longest idle one is closed.
   int free_tries = 3;    ///< Number of wrong PINs from one network before it has to wait.
   Duration first_wait = std::chrono::seconds(2);  ///< Doubles with each further wrong PIN, up to max_wait.
   Duration max_wait = std::chrono::minutes(10);
@@ -29,14 +29,14 @@ struct SessionRules {
 /// Thread-safe. PINs are checked one at a time, so that many concurrent attempts use no more memory than one.
 class Sessions {
  public:
-  /// `pin_file` holds the result of hashed_pin(); it is read at every attempt, so that a new PIN from a USB stick
+  /// `pin_file` contains the result of hashed_pin(); it is read at every attempt, so that a new PIN from a USB stick
   /// counts at once. `clock` is borrowed.
   Sessions(const Clock& clock, std::filesystem::path pin_file, SessionRules rules = {});
 
-  /// Returns a new session's token: 256 random bits in hexadecimal. `from` is the peer's address; all of an IPv6 /64
-  /// count as one. Errors: kInvalidArgument if the PIN is wrong; kBusy, with the time to wait, after too many wrong
-  /// ones, and the PIN is not checked; kNotFound if no PIN was provisioned; kBadData, kSystem if the file cannot be
-  /// read.
+  /// Returns a new session's token: 256 random bits in hexadecimal. `from` is the peer's address; all addresses of an
+  /// IPv6 /64 count as one. Errors: kInvalidArgument if the PIN is wrong; kBusy, with the time to wait, after too many
+  /// wrong PINs (this PIN is then not checked); kNotFound if no PIN was provisioned; kBadData, kSystem if the file
+  /// cannot be read.
   Result<std::string> open(std::string_view pin, const std::string& from);
   /// Returns true for a session's token, and marks the session as used.
   [[nodiscard]] bool is_open(std::string_view token);

@@ -91,8 +91,8 @@ Json drops_json(const wire::ProcessStatus& tour) {
   return drops;
 }
 
-/// Returns the number of nodes that the farm has, if the farm is watched; otherwise of those that rendered the last
-/// frame.
+/// Returns the number of nodes that the farm has, if the farm is watched; otherwise the number of nodes that rendered
+/// the last frame.
 int count_nodes(const Recording& recording, const wire::ProcessStatus& tour) {
   for (const RecordedProcess& process : recording.processes()) {
     if (process.last.endpoint.name == "tour" || !process.last.status) continue;
@@ -120,7 +120,7 @@ std::vector<std::string> problems_of(const Recording& recording, const RecordedS
     problems.push_back(fmt::format("{:.0f} frames were presented in {:.1f} s; at least {:.0f} were expected",
                                    span.frames, span.seconds, span.frames_wanted));
   }
-  judge_pictures(recording, span.frames > 0.0, &problems);  // Without frames, a still wall is no further problem.
+  judge_pictures(recording, span.frames > 0.0, &problems);  // A still wall is a problem only if there were frames.
   if (const wire::ProcessStatus* const tour = recording.status_of("tour");
       tour != nullptr && is_watched(recording, "tracker")) {
     const bool posed = std::any_of(tour->stages().begin(), tour->stages().end(),

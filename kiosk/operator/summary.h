@@ -25,13 +25,15 @@ struct RecordedSpan {
 /// (wall, panorama) frozen; a process away or unhealthy; no pose. Empty when everything worked.
 [[nodiscard]] std::vector<std::string> problems_of(const Recording& recording, const RecordedSpan& span);
 
-/// { scene, title, triangles, nodes, seconds, frames, fps, shown_hz, eye_missed_m, scale, samples, wasted,
+/// Returns { scene, title, triangles, nodes, seconds, frames, fps, shown_hz, eye_missed_m, scale, samples, wasted,
 ///   bytes_per_frame, balance_efficiency, first_picture_s,
 ///   stages: { name: { p50_ms, p95_ms, p99_ms, count } }, drops: { reason: count },
-///   processes: { name: { state, healthy } }, ok, problems: [] }; stages from shutter to photon. `nodes` is the number
-/// that the farm has, also when few of them rendered the last frame. shown_hz: refreshes that
-/// showed a new pose, per second; eye_missed_m: distance between the visitor and the eye of the picture; scale: width of a moving frame over
-/// the requested one; wasted: share of the views whose frame was rendered and not shown.
+///   processes: { name: { state, healthy } }, ok, problems: [] }
+///
+/// stages: from shutter to photon; nodes: the nodes that the farm has, even if few of them rendered the last frame;
+/// shown_hz: refreshes that showed a new pose, per second; eye_missed_m: distance between the visitor and the eye of the
+/// picture; scale: width of a moving frame divided by the requested width; wasted: share of the views whose frame was
+/// rendered and not shown.
 [[nodiscard]] std::string summary_json(const Recording& recording, const RecordedSpan& span,
                                        const std::vector<std::string>& problems);
 

@@ -24,12 +24,12 @@ class VectorPage {
   [[nodiscard]] double height_mm() const { return height_mm_; }
 
   void line(const std::vector<PagePoint>& points, double thickness_mm, bool dashed = false);
-  /// Fills several rectangles (upper left, lower right corner) as one area, without a seam where they touch. 0 is
-  /// black.
+  /// Fills several rectangles (upper left, lower right corner) as one area, without a seam where they touch. `grey` 0
+  /// is black.
   void fill(const std::vector<std::pair<PagePoint, PagePoint>>& rectangles, double grey);
   void fill(const std::vector<PagePoint>& polygon, double grey);
-  /// Draws text in Helvetica, `height_mm` from line to line, from `at` along its base line. ASCII; other bytes become
-  /// '?'.
+  /// Draws text in Helvetica, `height_mm` from line to line, from `at` along its base line. Bytes that are not ASCII
+  /// become '?'.
   void text(const PagePoint& at, double height_mm, std::string_view words);
 
  private:

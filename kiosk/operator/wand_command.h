@@ -17,7 +17,7 @@ struct WandCommand {
   int number = 0;
 
   void add_to(CLI::App* app);
-  /// Errors: kInvalidArgument if no output was requested; otherwise as write_file_atomically().
+  /// Errors: kInvalidArgument if no output was requested; others are those of write_file_atomically().
   [[nodiscard]] Status run() const;
 };
 

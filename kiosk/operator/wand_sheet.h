@@ -10,7 +10,7 @@
 
 namespace cyclorama::operations {
 
-/// A paper size in landscape, and the scale of its card relative to FoldedCard's default.
+/// A paper size in landscape, and the scale of the card that fits on it relative to FoldedCard's default.
 struct Paper {
   std::string_view name;
   double width_mm;
@@ -19,11 +19,11 @@ struct Paper {
 };
 [[nodiscard]] const std::vector<Paper>& papers();
 
-/// Returns the sheet to print, cut and fold, and a page of instructions. Preconditions: as standard_wand(); the card
-/// fits.
+/// Returns the sheet to print, cut and fold, and a page of instructions. Preconditions: those of standard_wand(); the
+/// card fits on the paper.
 [[nodiscard]] std::vector<VectorPage> wand_sheet(int number, const Paper& paper);
 
-/// Returns the card that a sheet of this paper gives.
+/// Returns the card that can be made from a sheet of this paper.
 [[nodiscard]] FoldedCard card_on(const Paper& paper);
 
 }  // namespace cyclorama::operations

@@ -90,7 +90,7 @@ void FolderCheck::ask(std::vector<std::string> command) {
   const auto end = run_child(command, kCheckLimits);
   if (!end) return problem(end.error().message());
   if (end->exit_code == 0) return;
-  // The last line of the output holds the reason.
+  // The last line of the output contains the reason.
   std::string said = end->output;
   while (!said.empty() && said.back() == '\n') said.pop_back();
   said.erase(0, said.rfind('\n') + 1);

@@ -13,7 +13,8 @@
 
 namespace cyclorama::provision {
 
-/// Collects the verdict on a folder. Sentences omit the folder's path, which means nothing to the reader. Thread-bound.
+/// Collects the verdict on a folder. Its sentences omit the folder's path, which means nothing to their reader.
+/// Thread-bound.
 class FolderCheck {
  public:
   FolderCheck(const std::filesystem::path& folder, const SettingsCheck& how)
@@ -26,18 +27,18 @@ class FolderCheck {
 
   void problem(const std::string& text);
   void remark(const std::string& text);
-  /// Checks that a path from a setting leads to a file of this folder; `where` names the setting. Problems quote the
+  /// Checks that a path from a setting leads to a file in this folder; `where` names the setting. Problems quote the
   /// path, unless it looks like a file's content.
   bool is_ours(const std::filesystem::path& path, const std::string& where);
   /// Does the same for a file that holds a password; nothing is quoted, since people write the password itself there.
   bool is_ours_unquoted(const std::filesystem::path& path, const std::string& where);
   void keep_secret(const std::filesystem::path& path, const std::string& group);
   /// Checks that the files exist, belong together, have not expired and are for `role`; `words` are the arguments of
-  /// cyclorama-authority that make such certificates. The key is readable by `group` only.
+  /// cyclorama-authority that make such certificates. Marks the key as readable by `group` only.
   void check_certificates(const TlsFiles& files, Role role, const std::string& where, const std::string& group,
                           const std::string& words);
-  /// Runs a program that reads its settings as it would at its start, and records its complaint. Does nothing without
-  /// programs, or after a problem.
+  /// Runs a program that reads its settings as at its start, and records the problem that it reports. Does nothing if
+  /// SettingsCheck::programs is empty, or after a problem.
   void ask(std::vector<std::string> command);
 
  private:
@@ -49,8 +50,8 @@ class FolderCheck {
   SettingsVerdict verdict_{};
 };
 
-/// check_settings() for a render host: farm.toml, node.toml or both, the certificates and tokens that they name, and on
-/// the coordinator the scenes that lie beside them.
+/// Does for a render host what check_settings() does for a museum: checks farm.toml, node.toml or both, the
+/// certificates and tokens that they name and, on the coordinator, the scenes beside them.
 [[nodiscard]] SettingsVerdict check_farm_host(const std::filesystem::path& folder, const SettingsCheck& how);
 
 }  // namespace cyclorama::provision

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Copies an untrusted folder file by file into one of ours. The copy is what is checked afterwards, since nobody else
-/// can change it any more.
+/// Copies an untrusted folder, file by file, into a folder that only this user can change. The copy is checked, not the
+/// original.
 #pragma once
 
 #include <cstddef>
@@ -35,16 +35,16 @@ struct CopiedFolder {
   std::vector<std::string> left_out;
 };
 
-/// Returns true for letters, digits, '.', '-', '_', at most 80, not beginning with '.' or '-'. Names become paths and
-/// words of commands.
+/// True for a name of at most 80 letters, digits, '.', '-' and '_' that does not begin with '.' or '-'. Such a name is
+/// safe in a path and as an argument of a command.
 [[nodiscard]] bool is_plain_name(std::string_view name);
 
 /// Copies `from`, with one level of subfolders, into the empty folder `to`. On return every copy is on the disk,
 /// readable by this user only. Never follows a link.
 ///
-/// Errors: kNotFound if there is no such folder; kInvalidArgument, naming the entry and the remedy, if it holds a link,
-/// a device, a name that is not plain, a folder too deep, or too much; kBadData if a file could not be read completely;
-/// kSystem if the copy could not be written, as on a full disk.
+/// Errors: kNotFound if there is no such folder; kInvalidArgument, naming the entry and the remedy, if the folder
+/// contains a link, a device, a name that is not plain, a second level of subfolders, or more than `limits` allows;
+/// kBadData if a file could not be read completely; kSystem if the copy could not be written, as on a full disk.
 Result<CopiedFolder> copy_folder(const std::filesystem::path& from, const std::filesystem::path& to,
                                  const FolderLimits& limits = {});
 

@@ -9,15 +9,16 @@
 
 namespace cyclorama::provision {
 
-/// operator.toml as it comes on a USB stick. It is never stored: the settings in use have the PIN's hash instead.
+/// operator.toml as it comes on a USB stick. It is never stored: the settings in use contain the PIN's hash instead.
 ///
 ///   # operator.toml
-///   pin = "40 17 73"      # Spaces are ignored. Absent: the page answers on this computer only.
+///   pin = "40 17 73"      # Spaces are ignored. Without it, the page answers on this computer only.
 struct OperatorSettings {
   std::optional<std::string> pin;
 };
 
-/// `name` stands for the file in errors, which never hold the PIN. Errors: as Config::read() and check_pin().
+/// Parses operator.toml. `name` stands for the file in errors, which never contain the PIN. Errors: those of
+/// Config::read() and check_pin().
 Result<OperatorSettings> parse_operator_settings(std::string_view text, std::string name);
 
 }  // namespace cyclorama::provision

@@ -90,7 +90,7 @@ Result<PinHash> parse(std::string_view text) {
   return hash;
 }
 
-/// Returns true for equal characters, or for each one more or one less than the one before.
+/// True if all characters are equal, or if each one is the successor, or each one the predecessor, of the one before.
 bool is_a_run(std::string_view pin) {
   for (const int step : {-1, 0, 1}) {
     bool all = true;

@@ -10,11 +10,11 @@
 namespace cyclorama::provision {
 
 /// Errors: kInvalidArgument if the PIN is shorter than 6 or longer than 64 characters, not printable ASCII, or one that
-/// everybody tries first ("111111", "123456"). The message never holds the PIN.
+/// everybody tries first ("111111", "123456"). The message never contains the PIN.
 Status check_pin(std::string_view pin);
 
-/// Returns "scrypt:15:8:1:SALT:HASH" in hexadecimal. Deliberately takes 32 MiB and a tenth of a second. Errors: as
-/// check_pin(); kSystem if OpenSSL has no scrypt.
+/// Returns "scrypt:15:8:1:SALT:HASH" in hexadecimal. Deliberately takes 32 MiB and a tenth of a second. Errors: those
+/// of check_pin(); kSystem if OpenSSL has no scrypt.
 Result<std::string> hashed_pin(std::string_view pin);
 
 /// Returns whether the PIN matches the hash. It is as slow as hashed_pin() in either case, and the comparison takes the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Takes settings from a USB stick into use, or reports why not.
+/// Puts settings from a USB stick into use, or reports why they cannot be used.
 #pragma once
 
 #include <filesystem>
@@ -20,11 +20,11 @@ struct ProvisionOrder {
   std::string at;           ///< Time for the report, as time_text() formats it.
 };
 
-/// Copies the folder, checks the copy, and takes it into use only if it has no problem. Bad settings are no error but
-/// give a report with problems. Errors: kSystem if this computer's own disk fails; nothing has changed then.
+/// Copies the folder, checks the copy, and puts it into use only if it has no problem. Bad settings are not an error;
+/// they give a report with problems. Errors: kSystem if this computer's own disk fails; nothing has changed then.
 Result<ProvisioningReport> provision(const ProvisionOrder& order, SettingsStore* store);
 
-/// Takes the previous settings into use again. Errors: as SettingsStore::restore().
+/// Puts the previous settings into use again. Errors: those of SettingsStore::restore().
 Result<ProvisioningReport> restore_settings(const std::string& at, SettingsStore* store,
                                             SettingsOf of = SettingsOf::kMuseum);
 

@@ -67,7 +67,7 @@ void add_options(CLI::App& app, Options* options) {
   }
 }
 
-/// Remarks are no errors: an image's own settings have some until the first USB stick.
+/// Remarks are not errors: the settings of a new image cause some until the first USB stick.
 void say(const ProvisioningReport& report) {
   for (const std::string& remark : report.remarks) log(LogLevel::kNotice, remark);
   for (const std::string& problem : report.problems) log(LogLevel::kError, problem);
@@ -108,7 +108,7 @@ Status run(const Options& options, const CLI::App& app) {
   order.at = at;
   auto report = provision(order, &store);
   if (!report) {
-    // The page shows the failure too, since nobody reads the journal.
+    // The page shows the failure, too, since nobody reads the journal.
     ProvisioningReport failed;
     failed.at = at;
     failed.source = options.from;

@@ -24,7 +24,7 @@ constexpr std::array<std::pair<ProvisioningVerdict, std::string_view>, 4> kVerdi
      {ProvisioningVerdict::kRefused, "refused"},
      {ProvisioningVerdict::kRestored, "restored"}}};
 
-/// Returns false where `key` is no text, or too long.
+/// Returns false if the value of `key` is not a text, or is too long.
 bool read_text(const Json& json, const char* key, std::string* ret) {
   const auto found = json.find(key);
   if (found == json.end() || !found->is_string()) return false;

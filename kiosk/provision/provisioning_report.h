@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Result of the newest USB stick: written by cyclorama-provision, shown by the operator page.
+/// Report on the settings of the newest USB stick: written by cyclorama-provision, shown by the operator page.
 #pragma once
 
 #include <ctime>
@@ -20,14 +20,15 @@ enum class ProvisioningVerdict {
   kRestored,   ///< The previous settings are in use again.
 };
 
-/// A value. {"at", "source", "verdict", "in_use", "museum", "farm": [], "projectors", "certificate_until", "has_pin",
-/// "problems": [], "remarks": []}
+/// A value; in JSON {"at", "source", "verdict", "in_use", "museum", "farm": [], "projectors", "certificate_until",
+/// "has_pin", "problems": [], "remarks": []}
 struct ProvisioningReport {
   std::string at;      ///< UTC by this computer's clock: "2026-11-22T16:04:05Z".
   std::string source;  ///< The folder.
   ProvisioningVerdict verdict = ProvisioningVerdict::kRefused;
   std::string in_use;  ///< Number of the settings in use now; empty: none.
-  std::string museum;  ///< Its name at the farm. This and the following describe the settings that were checked.
+  /// The museum's name at the farm. This member and the following ones describe the settings that were checked.
+  std::string museum;
   std::vector<std::string> farm;  ///< Addresses of the farm's coordinators.
   int projectors = 0;
   std::string certificate_until;  ///< "2029-02-24"; empty: none.
@@ -40,10 +41,10 @@ struct ProvisioningReport {
 
 [[nodiscard]] std::string_view to_text(ProvisioningVerdict verdict);
 [[nodiscard]] std::string report_json(const ProvisioningReport& report);
-/// Errors: kBadData if the text is not such JSON.
+/// Errors: kBadData if the text is not the JSON of a report.
 Result<ProvisioningReport> parse_report(std::string_view json);
 
-/// Returns UTC: "2026-11-22T16:04:05Z".
+/// Returns the time in UTC: "2026-11-22T16:04:05Z".
 [[nodiscard]] std::string time_text(std::time_t time);
 
 }  // namespace cyclorama::provision

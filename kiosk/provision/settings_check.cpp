@@ -55,7 +55,7 @@ class MuseumChecker {
     if (!hours) check_.problem(hours.error().message());
     const auto settings = tour::read_tour_settings(check_.in("site.toml"));
     if (!settings) {
-      if (!hours && hours.error().message() == settings.error().message()) return;  // Reports the same mistake once.
+      if (!hours && hours.error().message() == settings.error().message()) return;  // The mistake is reported once.
       return check_.problem(settings.error().message());
     }
     const auto update = update::read_update_settings(check_.in("site.toml"));

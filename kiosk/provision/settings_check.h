@@ -21,7 +21,7 @@ struct SecretFile {
   std::string group;           ///< Group of the service that reads it: "cyclorama-tour".
 };
 
-/// Contents of the settings, and their problems. A value.
+/// Summary of the settings, and their problems. A value.
 struct SettingsVerdict {
   std::string museum;
   std::vector<std::string> farm;
@@ -30,7 +30,7 @@ struct SettingsVerdict {
   std::optional<std::string> pin;  ///< Plain text, to be hashed by the caller.
   std::vector<SecretFile> secrets;
   std::vector<std::string> problems;  ///< One sentence each, with file and remedy; empty: the settings are good.
-  std::vector<std::string> remarks;   ///< The settings work, but perhaps not as intended.
+  std::vector<std::string> remarks;   ///< Sentences on settings that may not do what was intended.
 };
 
 /// Owner of the settings; decides which files are required, and which programs read them.
@@ -45,9 +45,10 @@ struct SettingsCheck {
 
 /// Checks everything with the readers of the programs themselves, without stopping at the first mistake: site.toml
 /// (required), installation.toml (required) with the meshes, warps and passwords it names, tracker.toml, wands,
-/// calibrator.toml with the lenses of its cameras, operator.toml, the certificates that site.toml names, its attract
-/// picture. A render host has farm.toml, node.toml or both, with certificates, tokens and scenes. Every file that a
-/// setting names must lie in the folder. `folder` must hold plain files only (copy_folder()); sentences omit its path.
+/// calibrator.toml with the lenses of its cameras, operator.toml, and the certificates and the attract picture that
+/// site.toml names. A render host has farm.toml, node.toml or both, with certificates, tokens and scenes. Every file
+/// that a setting names must lie in the folder. `folder` must contain only plain files (copy_folder()); sentences omit
+/// its path.
 [[nodiscard]] SettingsVerdict check_settings(const std::filesystem::path& folder, const SettingsCheck& how);
 
 }  // namespace cyclorama::provision

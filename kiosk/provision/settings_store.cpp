@@ -54,8 +54,8 @@ Status move(const fs::path& from, const fs::path& to) {
   return Error::from_errno(fmt::format("renaming '{}' to '{}'", from.string(), to.string()));
 }
 
-/// Settings are readable by every service, a secret by one; or by this user only, if the group is unknown or this user
-/// may not give files away.
+/// Makes a file readable by every service or, if it is a secret, by one group; by this user only if that group is
+/// unknown or the file cannot be given to it.
 Status protect(const fs::path& file, const std::optional<std::string>& group) {
   mode_t mode = 0644;
   if (group) {
@@ -186,7 +186,7 @@ Status SettingsStore::restore() {
   const std::string previous = previous_of(in_use());
   if (previous.empty()) return Error(ErrorCode::kNotFound, "there are no previous settings");
   TRY_ASSIGN(const fs::path folder, begin());
-  // Copies the generation, so that the one in use is always the newest, and the other one its predecessor.
+  // The generation is copied, so that the one in use is always the newest, and its predecessor the previous one.
   std::error_code failed;
   step("copy");
   fs::copy(generation(previous), folder, fs::copy_options::recursive, failed);

@@ -3,7 +3,7 @@
 ///
 ///   ROOT/settings ──▶ generations/000007      read by the programs; one rename switches to another set
 ///   ROOT/generations/000007/ site.toml ... .previous ("000006")  .contents (SHA256SUMS)
-///   ROOT/generations/000006/                  brought back by `restore`
+///   ROOT/generations/000006/                  put into use again by `restore`
 ///   ROOT/staging/                             under construction; removed after a power cut
 #pragma once
 
@@ -21,13 +21,13 @@
 
 namespace cyclorama::provision {
 
-/// Called before each change of the disk; tests cut the power there.
+/// Called before each change of the disk; tests simulate a power cut there.
 using StepHook = std::function<void(std::string_view step)>;
 
 /// Thread-bound. Only one process at a time can open a root.
 ///
-/// Invariants: 1. `settings` is absent or leads to a whole generation.   2. commit() and restore() change what is in
-/// use in one rename, or not at all.   3. The generation in use, and the one before it, are never changed or removed.
+/// Invariants: 1. `settings` is absent or leads to a complete generation. 2. commit() and restore() change what is in
+/// use in one rename, or not at all. 3. The generation in use, and the one before it, are never changed or removed.
 class SettingsStore {
  public:
   /// Creates the root's folders where they are missing. Errors: kBusy if another process has it open; kSystem if the
@@ -36,13 +36,13 @@ class SettingsStore {
 
   /// Returns the empty staging folder. Removes what an earlier attempt left.
   Result<std::filesystem::path> begin();
-  /// Takes the contents of the staging folder into use. `files` lists them; `secrets` get their own modes and groups.
+  /// Puts the contents of the staging folder into use. `files` lists them; `secrets` get their own modes and groups.
   /// Errors: kSystem if the disk fails; nothing has changed then.
   Status commit(std::vector<CopiedFile> files, const std::vector<SecretFile>& secrets);
   /// Discards the contents of the staging folder.
   void abandon();
-  /// Takes the previous settings into use as a new generation, so that a second call undoes the first. Errors:
-  /// kNotFound if there are none.
+  /// Puts the previous settings into use as a new generation, so that a second call undoes the first. Errors: kNotFound
+  /// if there are none.
   Status restore();
 
   /// Returns the number of the generation in use, such as "000007"; empty: none.

@@ -108,7 +108,7 @@ class RecordFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
-/// Saves the visitor's position. A folder that is full or gone loses the position, not the visit.
+/// Saves the visitor's position. If the folder is full or gone, the position is lost but the visit continues.
 class PositionFile {
  public:
   explicit PositionFile(const std::optional<std::string>& folder) {

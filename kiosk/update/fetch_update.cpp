@@ -60,7 +60,7 @@ class Fetch {
     return {FetchOutcome::Kind::kNothing, version_, std::move(sentence)};
   }
 
-  /// Returns false when no further attempt is due.
+  /// Waits before the next attempt; returns false if there is none.
   bool wait() {
     const SteadyClock clock;
     const TimePoint end = clock.now() + order_.retry_after;

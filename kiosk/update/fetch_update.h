@@ -23,7 +23,7 @@ struct UpdateLimits {
 struct FetchOrder {
   std::string image;    ///< "cyclorama-museum".
   std::string version;  ///< The running version.
-  /// Newest version that was here already or failed to start; only newer ones are fetched.
+  /// Newest version that was already installed or failed to start; only newer ones are fetched.
   std::string not_again{};
   std::filesystem::path key{};     ///< Public key for the signature of versions.
   std::filesystem::path folder{};  ///< Folder that collects the files.
@@ -35,7 +35,7 @@ struct FetchOrder {
 struct FetchOutcome {
   enum class Kind {
     kNothing,  ///< Nothing newer is available; the sentence names the farm's version.
-    kReady,    ///< `folder` holds the whole version.
+    kReady,    ///< `folder` contains the whole version.
     kLater,    ///< `go_on` returned false; the parts that have arrived stay.
   };
   Kind kind = Kind::kNothing;
@@ -43,7 +43,7 @@ struct FetchOutcome {
   std::string sentence{};
 };
 
-/// Resumes an interrupted download. Calls `go_on` with every piece. Blocks.
+/// Resumes an interrupted download. Calls `go_on` for every piece. Blocks.
 ///
 /// Errors: kBadData if the version is not signed with our key, damaged, or not the announced one: nothing of it is
 /// used; kInvalidArgument if it exceeds the limits, or the farm has none for this museum; kSystem if the disk is full

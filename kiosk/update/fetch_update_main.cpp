@@ -77,7 +77,7 @@ std::string not_again(const Options& options) {
   return counts ? status->available : "";
 }
 
-/// The first word is read by the script that called: nothing, ready, later or failed.
+/// Writes the result for the script that started this program. `word` is nothing, ready, later or failed.
 Status tell(const Options& options, const std::string& word, const std::string& sentence) {
   log(word == "failed" ? LogLevel::kWarning : LogLevel::kInfo, sentence);
   return write_file_atomically(std::filesystem::path(options.folder) / "result",

@@ -12,8 +12,8 @@
 
 namespace cyclorama::update {
 
-/// Collects the files of a version over several nights and power cuts: NAME once a file was verified, NAME.part before.
-/// A new version replaces an older one. Thread-bound; used by one program at a time.
+/// Collects the files of a version over several nights and power cuts: a file is NAME.part until it is verified, then
+/// NAME. A new version replaces an older one. Thread-bound; used by one program at a time.
 class UpdateFolder {
  public:
   /// Makes the folder for the version with these sums; removes the files of any other version. Errors: kSystem.
@@ -27,7 +27,7 @@ class UpdateFolder {
   [[nodiscard]] Result<std::uint64_t> room() const;
   /// Appends bytes to a file. Errors: kSystem if the disk is full or broken.
   Status append(const UpdateFile& file, std::span<const std::byte> bytes);
-  /// Verifies a complete file. Errors: kBadData if it differs from the manifest, and it is removed; kSystem.
+  /// Verifies a complete file. Errors: kBadData if it differs from the manifest, in which case it is removed; kSystem.
   Status finish(const UpdateFile& file);
   void forget(const UpdateFile& file);
 

@@ -37,7 +37,7 @@ Result<UpdateSettings> settings_of(Config config) {
 }  // namespace
 
 bool UpdateSettings::is_night(WallTime now, const std::optional<HoursOverride>& override) const {
-  // A museum without [hours] is always open but has update nights all the same, except while an override keeps it open.
+  // A museum without [hours] is always open but still has update nights, except while an override keeps it open.
   const bool is_overridden = override && override->holds(now);
   const bool is_open = is_overridden ? override->is_open : has_opening_hours && opening.is_open(now);
   return is_clock_set(now) && night.is_open(now) && !is_open;

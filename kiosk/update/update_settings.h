@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// When a museum's computer looks for updates and restarts for them. From site.toml:
+/// Times at which a museum's computer looks for updates and restarts for them. From site.toml:
 ///
 ///   # site.toml
 ///   [update]
@@ -23,12 +23,12 @@ struct UpdateSettings {
   OpeningHours opening{};
   OpeningHours night{};
 
-  /// Returns true within the hours and outside the opening hours (or their override while it holds), if the clock was
-  /// set.
+  /// True if the clock was set, `now` is within the update hours, and the museum is closed (an override takes
+  /// precedence over the opening hours while it holds).
   [[nodiscard]] bool is_night(WallTime now, const std::optional<HoursOverride>& override = std::nullopt) const;
 };
 
-/// Ignores the tables of other programs. Errors: as Config::read() and Config::finish().
+/// Ignores the tables of other programs. Errors: those of Config::read() and Config::finish().
 Result<UpdateSettings> read_update_settings(const std::filesystem::path& site);
 Result<UpdateSettings> parse_update_settings(std::string_view text, const std::string& name);
 

@@ -12,8 +12,8 @@ namespace cyclorama::update {
 inline constexpr const char* kUpdateStatusFile = "update.json";
 
 /// update.json: {"state": "...", "version": "0.1.0", "available": "0.2.0", "at": "2026-11-22T03:10:00Z", "sentence":
-/// "..."}; `state` and `version` are required, other keys are ignored, so that an older page reads a newer updater's
-/// file.
+/// "..."}; `state` and `version` are required, other keys are ignored, so that an older page can read the file of a
+/// newer updater.
 struct UpdateStatus {
   enum class State {
     kCurrent,   ///< Nothing newer is known.
@@ -32,7 +32,7 @@ struct UpdateStatus {
 };
 
 [[nodiscard]] std::string_view to_text(UpdateStatus::State state);  ///< "current", ..., "rolled-back".
-/// Errors: kBadData if the text is not such JSON.
+/// Errors: kBadData if the text is not the JSON of a status.
 Result<UpdateStatus> parse_update_status(std::string_view json);
 
 }  // namespace cyclorama::update

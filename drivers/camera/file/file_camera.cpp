@@ -15,7 +15,8 @@
 namespace cyclorama::camera {
 namespace {
 
-/// Decides by the first bytes. Anything unknown goes to the photo reader, whose error names common other formats.
+/// True if the first bytes are those of a video. All other files go to the photo reader, whose error names common other
+/// formats.
 bool looks_like_a_video(const std::filesystem::path& path) {
   std::array<char, 12> head{};
   std::ifstream file(path, std::ios::binary);

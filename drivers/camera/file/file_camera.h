@@ -14,14 +14,14 @@ namespace cyclorama::camera {
 
 struct FileCameraOptions {
   std::optional<double> frames_per_second;  ///< 0.01 to 1000; the recording's own rate if not given.
-  bool loop = true;  ///< If false, the camera fails after the last picture, as one that was unplugged.
+  bool loop = true;                         ///< If false, the camera fails after the last picture, as if unplugged.
 };
 
 /// Replays a photo, a folder of photos or a video in real time, as if a camera saw it now. The kind of file follows
 /// from its first bytes, not from its name. Thread-bound except for id().
 class FileCamera final : public Camera {
  public:
-  /// Reads the first picture. Borrows `clock` for the camera's whole life.
+  /// Reads the first picture. `clock` must outlive the camera.
   ///
   /// Errors: kNotFound if there is no such file or folder, or a folder has no photos; kBadData if the file is damaged
   /// or neither a photo nor a video (the message says what it is and what to do); kInvalidArgument if the rate is out

@@ -58,11 +58,11 @@ struct Video::Decoder {
   std::unique_ptr<AVPacket, FreePacket> packet{av_packet_alloc()};
   std::unique_ptr<SwsContext, FreeScaler> scaler;
   int stream = -1;
-  bool ended = false;  ///< All packets were sent to the codec, which may still hold pictures.
+  bool ended = false;  ///< True once the codec has all packets; it may still hold pictures.
 
   Status open(const std::filesystem::path& path);
   Status open_codec(const std::filesystem::path& path);
-  /// Decodes the next picture into `frame`; false at the end.
+  /// Decodes the next picture into `frame`; returns false at the end.
   Result<bool> decode(const std::filesystem::path& path);
   Status to_grey(const std::filesystem::path& path, GreyImage* ret_grey);
 };

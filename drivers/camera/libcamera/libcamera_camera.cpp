@@ -97,7 +97,7 @@ std::string model_of(const lc::Camera& camera) {
   return model ? std::string(*model) : camera.id();
 }
 
-/// Returns what the camera can send, as offers without a rate, since libcamera reports none.
+/// Returns the formats and sizes that the camera can send; their rates are unknown, since libcamera reports none.
 std::vector<PictureOffer> offers_of(const lc::StreamConfiguration& stream, const PicturePreference& preferred) {
   std::vector<PictureOffer> offers;
   for (const lc::PixelFormat& format : stream.formats().pixelformats()) {
@@ -110,7 +110,7 @@ std::vector<PictureOffer> offers_of(const lc::StreamConfiguration& stream, const
     const std::vector<lc::Size> sizes = stream.formats().sizes(format);
     for (const lc::Size& size : sizes) add(size);
     const lc::Size requested(static_cast<unsigned>(preferred.width_px), static_cast<unsigned>(preferred.height_px));
-    // Scalers list a few sizes and accept any size in the range.
+    // A camera with a scaler lists a few sizes and accepts any size in the range.
     if (const lc::SizeRange range = stream.formats().range(format); sizes.empty() || range.contains(requested))
       add(requested);
   }
@@ -151,8 +151,8 @@ class LibcameraCamera final : public Camera {
   Status configure();
   Status make_requests();
   Status queue_again(lc::Request* request);
-  /// Called when all requests are completed, so that the camera has stopped and the newest picture is stale: requeues
-  /// the others and waits for a later picture.
+  /// Requeues all requests but the newest and waits for a later picture. Called when all requests are completed: the
+  /// camera has then stopped, and its newest picture is stale.
   Status await_new(TimePoint deadline, std::vector<lc::Request*>* completed);
   Result<std::shared_ptr<const CameraFrame>> read(lc::Request& request);
   [[nodiscard]] Error unplugged() const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Cameras that only libcamera can drive: sensors on a board's own bus (Raspberry Pi, i.MX, Rockchip, Intel IPU), which
 /// need a configured pipeline and an exposure control loop. A camera that the kernel presents as a complete device is
-/// better opened as v4l2, which has one layer less and clearer errors.
+/// better opened as v4l2, which involves fewer layers and gives clearer errors.
 #pragma once
 
 #include <memory>

@@ -8,7 +8,7 @@
 namespace cyclorama::camera {
 namespace {
 
-/// Rounds to the device's steps, within its range.
+/// Returns the control's step at or below `requested`, within its range.
 long nearest(const DeviceControl& control, long requested) {
   const long inside = std::clamp(requested, control.min, std::max(control.min, control.max));
   return control.min + (inside - control.min) / control.step * control.step;
@@ -31,7 +31,7 @@ Result<ExposureSet> set_exposure(const VideoDevice& device, Duration requested, 
   if (const auto time = device.control(V4L2_CID_EXPOSURE_ABSOLUTE)) {
     const long value = nearest(*time, std::max(1L, requested / kExposureUnit));
     TRY_ASSIGN(const bool is_taken, device.set_control(V4L2_CID_EXPOSURE_ABSOLUTE, value));
-    // Read back, since some devices accept an impossible value and apply the nearest one.
+    // The value is read back, since some devices accept an impossible value and apply the nearest possible one.
     const auto now = is_taken ? device.control(V4L2_CID_EXPOSURE_ABSOLUTE) : std::nullopt;
     if (is_taken) set.exposure = kExposureUnit * (now ? now->value : value);
   }
@@ -39,7 +39,7 @@ Result<ExposureSet> set_exposure(const VideoDevice& device, Duration requested, 
     // Devices without these controls refuse them.
     TRY(device.set_control(V4L2_CID_AUTOGAIN, 0));
     TRY(device.set_control(V4L2_CID_AUTO_WHITE_BALANCE, 0));
-    TRY(device.set_control(V4L2_CID_FOCUS_AUTO, 0));  // Another focus changes the intrinsics.
+    TRY(device.set_control(V4L2_CID_FOCUS_AUTO, 0));  // A change of focus changes the intrinsics.
     return set;
   }
   TRY_ASSIGN(const bool follows_light, device.set_control(V4L2_CID_AUTOGAIN, 1));

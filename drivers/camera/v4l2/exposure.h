@@ -9,9 +9,9 @@
 
 namespace cyclorama::camera {
 
-/// Result of set_exposure(). A device without such controls has neither value and still works.
+/// Result of set_exposure(). A device without exposure and gain controls has neither value and can still be used.
 struct ExposureSet {
-  std::optional<Duration> exposure;  ///< Exposure fixed by us; nothing if the device controls it and it may change.
+  std::optional<Duration> exposure;  ///< Fixed exposure; nothing if the device may change it.
   /// Gain that the caller adjusts to the light; nothing if the device controls it or has none.
   std::optional<GainRange> gain;
   long gain_now = 0;
@@ -29,10 +29,10 @@ extern const std::uint32_t kGainControl;
 /// Unit of V4L2's absolute exposure control.
 inline constexpr Duration kExposureUnit = std::chrono::microseconds(100);
 
-/// Makes the exposure short and steady: manual if the device supports it, at `requested` or the nearest possible value;
-/// the frame rate no longer drops in the dark; gain is automatic if the device supports that with manual exposure, and
-/// is otherwise left to the caller. A zero `requested` leaves everything automatic. Settings that the device refuses
-/// keep their values.
+/// Makes the exposure short and steady. It is manual, at `requested` or the nearest possible value, if the device
+/// supports that, and the frame rate no longer drops in the dark. Gain is automatic if the device supports automatic
+/// gain with manual exposure; otherwise the caller controls it. A zero `requested` leaves everything automatic.
+/// Settings that the device refuses keep their values.
 ///
 /// Errors: kUnavailable if the device is gone.
 Result<ExposureSet> set_exposure(const VideoDevice& device, Duration requested,

@@ -12,7 +12,7 @@ namespace cyclorama::camera {
 /// mosaics, RGB, and inter-coded video streams.
 [[nodiscard]] std::optional<PixelLayout> layout_of_v4l2(std::uint32_t fourcc);
 
-/// Returns the position and order of its colours; the range is left at its default.
+/// Returns the position and order of a V4L2 pixel format's colours; `is_full_range` keeps its default.
 [[nodiscard]] ColourCode colour_of_v4l2(std::uint32_t fourcc);
 
 }  // namespace cyclorama::camera

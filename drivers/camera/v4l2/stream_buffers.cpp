@@ -17,7 +17,7 @@ namespace {
 
 /// One being filled, one waiting to be filled, one being read, and one in reserve.
 constexpr std::uint32_t kBuffers = 4;
-/// With fewer, the device has none to fill during a read.
+/// With fewer buffers, the device would have none to fill during a read.
 constexpr std::uint32_t kMinBuffers = 2;
 constexpr std::uint32_t kType = V4L2_BUF_TYPE_VIDEO_CAPTURE;
 
@@ -152,7 +152,7 @@ void StreamBuffers::sync(const FilledBuffer& filled, bool begins) const {
   if (!dma_buf.is_open()) return;
   dma_buf_sync sync{};
   sync.flags = DMA_BUF_SYNC_READ | (begins ? DMA_BUF_SYNC_START : DMA_BUF_SYNC_END);
-  // Memory that needs no synchronisation returns an error here, which is harmless.
+  // The call fails for memory that needs no synchronisation, which is harmless.
   static_cast<void>(device_call(dma_buf.get(), DMA_BUF_IOCTL_SYNC, &sync));
 }
 

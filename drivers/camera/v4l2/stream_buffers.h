@@ -34,7 +34,7 @@ struct FilledBuffer {
 /// device. Borrows the device's file descriptor. Thread-bound.
 class StreamBuffers {
  public:
-  /// Errors: kBusy if another program streams; others as device_error().
+  /// Errors: kBusy if another program streams; others are those of device_error().
   static Result<StreamBuffers> start(int device_fd, BufferMemory memory);
   StreamBuffers(StreamBuffers&& other) noexcept;
   StreamBuffers& operator=(StreamBuffers&&) = delete;
@@ -47,11 +47,11 @@ class StreamBuffers {
   [[nodiscard]] std::span<const std::byte> bytes(const FilledBuffer& filled) const;
   /// Errors: kUnavailable if the stream is broken.
   Status give_back(const FilledBuffer& filled);
-  /// Call before and after reading bytes(): synchronises the CPU caches with memory that a device writes (needed for
-  /// DMA-bufs only).
+  /// Call begin_reading() before and end_reading() after reading bytes(). They synchronise the CPU caches with the
+  /// memory that the device writes, which only DMA-bufs need.
   void begin_reading(const FilledBuffer& filled) const { sync(filled, true); }
   void end_reading(const FilledBuffer& filled) const { sync(filled, false); }
-  /// Number of buffers. Once all of them are filled, the driver has stopped, and the newest picture is stale.
+  /// Number of buffers. Once all of them are filled, the driver drops further pictures, and the newest one is stale.
   [[nodiscard]] std::size_t count() const { return buffers_.size(); }
   /// File descriptor of a buffer's DMA-buf, borrowed; -1 with kMapped.
   [[nodiscard]] int dma_buf(std::uint32_t index) const { return buffers_[index].dma_buf.get(); }

@@ -12,7 +12,7 @@
 namespace cyclorama::camera {
 namespace {
 
-/// A new gain takes effect after about three pictures; only then is brightness evaluated again.
+/// A new gain takes effect after about three pictures; brightness is evaluated again only after that.
 constexpr int kPicturesPerGain = 8;
 /// Bounds the loop for a device that fills buffers as quickly as they are returned.
 constexpr std::size_t kMaxBuffersTaken = 16;
@@ -30,7 +30,7 @@ timespec timeout_until(TimePoint deadline, TimePoint now) {
 Result<std::unique_ptr<Camera>> V4l2Camera::open(std::string_view where, const V4l2CameraOptions& options,
                                                  const Clock& clock) {
   TRY_ASSIGN(NamedDevice named, open_video_device(where));
-  // A grabber's sizes follow its signal. Without a signal, start() reports the error.
+  // A frame grabber offers the size of its signal. Without a signal, start() reports the error.
   static_cast<void>(named.device.follow_signal());
   TRY_ASSIGN(const std::vector<PictureOffer> offers, named.device.offers(options.preferred));
   auto chosen = choose_picture(offers, options.preferred);
@@ -84,7 +84,7 @@ Result<bool> V4l2Camera::wait(TimePoint deadline) {
       return fail(Error(ErrorCode::kUnavailable,
                         fmt::format("camera at {}: its signal has another shape now", device_.port())));
     }
-    // Includes POLLERR and POLLHUP: dequeuing a picture then returns the error.
+    // This includes POLLERR and POLLHUP, after which dequeuing a picture returns the error.
     if ((asked.revents & ~POLLPRI) != 0) return true;
   }
 }
@@ -129,7 +129,7 @@ Result<std::shared_ptr<const CameraFrame>> V4l2Camera::read(const FilledBuffer& 
   if (is_read && wants_colour) is_read = to_colour(raw, &jpeg_, &frame->colour);
   buffers_->end_reading(filled);
   TRY(is_read);
-  // The driver counts in 32 bits, from 0 at each start; our number continues.
+  // The driver counts in 32 bits, from 0 at each start; `sequence_` continues.
   const std::uint32_t step = last_kernel_sequence_ ? filled.sequence - *last_kernel_sequence_ : 1U;
   constexpr std::uint32_t kMaxStep = 1U << 16U;
   sequence_ += step == 0 || step > kMaxStep ? 1U : step;
@@ -168,7 +168,7 @@ void V4l2Camera::follow_light(const GreyImage& picture) {
   pictures_since_gain_ = 0;
   const long gain = next_gain(exposure_.gain_now, bright_level(picture), *exposure_.gain);
   if (gain == exposure_.gain_now) return;
-  // A device that is gone causes an error at the next picture; one that refuses keeps its gain.
+  // A device that is gone causes an error at the next picture; a device that refuses the value keeps its gain.
   static_cast<void>(device_.set_control(kGainControl, gain));
   exposure_.gain_now = gain;
 }

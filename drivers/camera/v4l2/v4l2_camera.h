@@ -16,8 +16,8 @@ namespace cyclorama::camera {
 
 struct V4l2CameraOptions {
   PicturePreference preferred;
-  /// Short, so that a moving hand stays sharp: at 1 m/s and 1 m away, a 60° lens of 640 px smears 0.55 px per ms. Zero
-  /// selects the device's automatic exposure.
+  /// Exposure time, short so that a moving hand stays sharp: at 1 m/s and a distance of 1 m, a 60° lens with a picture
+  /// of 640 px smears 0.55 px per ms. Zero selects the device's automatic exposure.
   Duration exposure = std::chrono::milliseconds(5);
   BufferMemory memory = BufferMemory::kMapped;
   GainRule gain = GainRule::kFollowsLight;
@@ -27,7 +27,7 @@ struct V4l2CameraOptions {
 /// Thread-bound except for id().
 ///
 /// The camera is Failed after it was unplugged, after a change of the signal's format, and after a stream error; it
-/// must then be opened anew. Damaged pictures are skipped and appear as a gap in the next frame's sequence; a device
+/// must then be opened again. Damaged pictures are skipped and appear as a gap in the next frame's sequence; a device
 /// that sends nothing leads to timeouts, which the caller handles.
 class V4l2Camera final : public Camera {
  public:
@@ -57,14 +57,14 @@ class V4l2Camera final : public Camera {
   /// once Failed.
   Result<bool> wait(TimePoint deadline);
   struct Newest {
-    std::optional<FilledBuffer> filled;  ///< Nothing if no picture was undamaged.
+    std::optional<FilledBuffer> filled;  ///< Nothing if all pictures were damaged.
     bool is_stale = false;               ///< The driver had filled all buffers and dropped later pictures.
   };
   /// Takes the newest undamaged picture among the filled buffers and returns the others to the driver.
   Result<Newest> take_newest();
-  /// As take_newest(), but waits for the next picture, at most until the deadline, rather than return a stale one.
+  /// Like take_newest(), but waits for the next picture, at most until the deadline, rather than return a stale one.
   Result<std::optional<FilledBuffer>> take_new(TimePoint deadline);
-  /// Decodes a buffer; null if the picture is damaged.
+  /// Decodes a buffer; returns null if the picture is damaged.
   Result<std::shared_ptr<const CameraFrame>> read(const FilledBuffer& filled);
   void follow_light(const GreyImage& picture);
   /// Stores the error, releases the buffers, and returns the error.

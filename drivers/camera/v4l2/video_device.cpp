@@ -33,7 +33,7 @@ double rate_of(const v4l2_fract& interval) {
   return interval.numerator == 0 ? 0.0 : static_cast<double>(interval.denominator) / interval.numerator;
 }
 
-/// Returns the value nearest to `requested` in a stepped range.
+/// Returns the value at or below `requested` in a stepped range.
 int nearest(std::uint32_t min, std::uint32_t max, std::uint32_t step, int requested) {
   const auto in_range = std::clamp(static_cast<std::uint32_t>(requested), min, std::max(min, max));
   return static_cast<int>(min + (in_range - min) / std::max(step, 1U) * std::max(step, 1U));
@@ -186,7 +186,7 @@ Status VideoDevice::follow_signal() const {
     return Error(ErrorCode::kUnavailable, named("no usable signal at its input: is the camera on, and its cable in?"));
   }
   if (errno == ENODEV || errno == ENXIO) return device_error(named("querying its signal"));
-  return Done{};  // A camera, not a grabber.
+  return Done{};  // A camera, not a frame grabber.
 }
 
 Result<PictureFormat> VideoDevice::set_format(const PictureOffer& offer) const {

@@ -13,7 +13,7 @@
 
 namespace cyclorama::camera {
 
-/// Performs an ioctl, repeated while a signal interrupts it. Returns false on failure, with the reason in errno.
+/// Performs an ioctl and repeats it while a signal interrupts it. Returns false on failure, with the reason in errno.
 bool device_call(int fd, unsigned long request, void* argument);
 
 /// Translates errno after a device request.
@@ -43,10 +43,11 @@ struct DeviceControl {
   long value = 0;
 };
 
-/// Thread-bound. Every Error names the device's path and port.
+/// An open V4L2 capture device. Every Error names its path and port. Thread-bound.
 class VideoDevice {
  public:
-  /// Errors: kNotFound also if the device captures no video or only multi-planar formats; others as device_error().
+  /// Errors: kNotFound also if the device captures no video or only multi-planar formats; others are those of
+  /// device_error().
   static Result<VideoDevice> open(const std::string& path);
 
   [[nodiscard]] int fd() const { return fd_.get(); }
@@ -54,7 +55,7 @@ class VideoDevice {
   /// Bus position reported by the kernel ("usb-0000:00:14.0-2"); unchanged after a restart or a re-plug.
   [[nodiscard]] const std::string& port() const { return port_; }
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// Device number assigned by the kernel; identifies the device whatever the path.
+  /// Device number assigned by the kernel; identifies the device under any path.
   [[nodiscard]] std::uint64_t number() const { return number_; }
 
   /// Returns the readable formats that the device offers. For sizes and rates offered as a range, the preferred or
@@ -69,10 +70,10 @@ class VideoDevice {
   Result<std::optional<double>> set_rate(double frames_per_second) const;
   /// Subscribes to changes of the signal's format, if the driver supports it; they raise POLLPRI.
   void subscribe_to_source_changes() const;
-  /// Dequeues one event; true if it means that the pictures will have another format.
+  /// Dequeues one event; returns true if it announces another format of the pictures.
   [[nodiscard]] bool took_source_change() const;
 
-  /// Returns nothing if the device has no such control or currently disables it.
+  /// Returns a control; nothing if the device does not have it or currently disables it.
   [[nodiscard]] std::optional<DeviceControl> control(std::uint32_t id) const;
   /// Returns whether the device accepted the value. Errors: kUnavailable if the device is gone.
   Result<bool> set_control(std::uint32_t id, long value) const;

@@ -16,8 +16,8 @@ constexpr int kNodes = 256;
 
 std::string node_path(int number) { return fmt::format("/dev/video{}", number); }
 
-/// Calls `visit(NamedDevice)` for every camera, lowest number first, until it returns false, and `fail(path, Error)`
-/// for a device that exists and cannot be inspected.
+/// Calls `visit(NamedDevice)` for every camera, lowest number first, until `visit` returns false, and `fail(path,
+/// Error)` for each device that exists but cannot be inspected.
 template <typename Visit, typename Fail>
 void for_each_camera(Visit visit, Fail fail) {
   std::map<std::string, int> at_port;

@@ -19,7 +19,8 @@ struct NamedDevice {
 /// Opens the camera at `where`: a path ("/dev/v4l/by-path/..."), a port path as in NamedDevice, or the first camera
 /// present if `where` is empty.
 ///
-/// Errors: kNotFound if there is no such camera (the message lists those present); others as VideoDevice::open().
+/// Errors: kNotFound if there is no such camera (the message lists those present); others are those of
+/// VideoDevice::open().
 Result<NamedDevice> open_video_device(std::string_view where);
 
 /// Returns every camera that is present, including those that cannot be opened.

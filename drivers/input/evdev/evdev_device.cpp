@@ -45,7 +45,7 @@ class EvdevDevice final : public InputDevice {
   [[nodiscard]] const InputDescription& description() const override { return description_; }
   Result<std::optional<InputEvent>> next() override {
     input_event event{};
-    // After lost events (SYN_DROPPED), the current state is also delivered as events.
+    // After events were lost (SYN_DROPPED), libevdev delivers the current state as events, too.
     const unsigned flag = syncing_ ? LIBEVDEV_READ_FLAG_SYNC : LIBEVDEV_READ_FLAG_NORMAL;
     const int code = libevdev_next_event(device_.get(), flag, &event);
     if (code == -EAGAIN && syncing_) {

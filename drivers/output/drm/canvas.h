@@ -29,8 +29,8 @@ class Canvas {
   int height_px_ = 0;
 };
 
-/// Copies a canvas to a scan-out buffer: rotated, upright, and scaled if the sizes differ. Bound to its GL context,
-/// whose program, textures, framebuffer, vertex array and viewport it changes.
+/// Copies a canvas to a scan-out buffer: rotates it, flips its rows, and scales it if the sizes differ. Bound to its GL
+/// context, whose program, textures, framebuffer, vertex array and viewport it changes.
 class CanvasCopier {
  public:
   /// Errors: kSystem if the driver's compiler rejects the shader, with its log.

@@ -12,8 +12,8 @@ namespace cyclorama::output {
 
 namespace {
 
-/// A render-only card has no connectors. A card that does not answer is an error: skipping it would leave its heads
-/// dark.
+/// True if the card has connectors; a render-only card has none. A card that does not answer is an error, since
+/// skipping it would leave its heads dark.
 Result<bool> has_connectors(const std::filesystem::path& node) {
   const UniqueFd fd(::open(node.c_str(), O_RDWR | O_CLOEXEC));
   if (!fd.is_open()) return Error::from_errno(fmt::format("opening '{}'", node.string()));
@@ -34,8 +34,8 @@ Result<Card> Card::open(const std::filesystem::path& path) {
   card.path_ = path;
   card.fd_ = UniqueFd(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK));
   if (!card.fd_.is_open()) return Error::from_errno(fmt::format("opening '{}'", path.string()));
-  // The first process to open a card becomes its master automatically; one that opened it second acquires the right
-  // here once the first has left.
+  // The first process to open a card becomes its master automatically; a later process acquires the right here once the
+  // first has closed the card.
   if (drmIsMaster(card.fd()) == 0) {
     if (auto master = card.become_master(); !master) {
       return Error(ErrorCode::kBusy, fmt::format("'{}' belongs to another display server ({}); stop that one",
@@ -110,7 +110,7 @@ Result<std::vector<Connector>> Card::probe() const {
 Result<std::vector<std::filesystem::path>> list_cards() {
   std::array<drmDevicePtr, 16> devices{};
   const int count = drmGetDevices2(0, devices.data(), static_cast<int>(devices.size()));
-  if (count == -ENOENT) return std::vector<std::filesystem::path>();  // Not even the folder exists.
+  if (count == -ENOENT) return std::vector<std::filesystem::path>();  // The folder of the devices does not exist.
   if (count < 0) return kms_error(count, "listing graphics cards");
   const int listed = std::min(count, static_cast<int>(devices.size()));
   std::vector<std::filesystem::path> nodes;

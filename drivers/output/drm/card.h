@@ -26,8 +26,8 @@ struct DrmPlane {
   [[nodiscard]] bool can_show(std::uint32_t format) const;
 };
 
-/// A graphics card opened for atomic modesetting, with its constant resources and the DRM master right, which allows
-/// changes to the rest. Move-only, thread-bound.
+/// A graphics card opened for atomic modesetting, with its constant resources and the DRM master right, which is needed
+/// for modesets and flips. Move-only, thread-bound.
 class Card {
  public:
   /// Errors: kNotFound if there is no such node; kUnavailable if the card drives no connectors or lacks atomic
@@ -38,11 +38,10 @@ class Card {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] const std::vector<Crtc>& crtcs() const { return crtcs_; }
   [[nodiscard]] const std::vector<DrmPlane>& planes() const { return planes_; }
-  /// True if its timestamps are on CLOCK_MONOTONIC.
+  /// True if the card's timestamps are on CLOCK_MONOTONIC.
   [[nodiscard]] bool has_monotonic_time() const { return has_monotonic_time_; }
 
-  /// Reads the current state of all connectors. A connector that vanishes meanwhile is left out; other errors from
-  /// errno.
+  /// Reads the current state of all connectors. A connector that vanishes meanwhile is omitted. Errors: from errno.
   [[nodiscard]] Result<std::vector<Connector>> probe() const;
   /// Acquires the DRM master right again. Errors: kSystem or kBusy if another process still has it.
   [[nodiscard]] Status become_master() const;

@@ -23,7 +23,7 @@ ModePreference mode_preference_of(const HeadTarget& target) {
   return {is_aside ? height : width, is_aside ? width : height, target.refresh_hz};
 }
 
-/// True if only this setting was rejected and the card is otherwise usable: another setting may work.
+/// True if the card rejected only this setting, so that another setting may work.
 bool is_refusal(const Error& error) {
   const int why = error.errno_value();
   return why == EINVAL || why == ENOSPC || why == ERANGE || why == E2BIG || why == EOPNOTSUPP;

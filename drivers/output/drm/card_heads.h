@@ -25,15 +25,15 @@ struct HeadTarget {
   double refresh_hz = 60.0;
 };
 
-/// The heads of one card, which are lit together and flipped together.
+/// The heads of one card; they are lit together and flipped together.
 ///
 ///            light()                     paint(), flip(), wait()
 ///   dark ───────────────▶ lit ─────────────────────────────────▶ lit
 ///     ▲  any error: dark   │  after any failure: light() again
 ///     └────────────────────┘
 ///
-/// Invariants: 1. each pipe has a connector, a CRTC and a primary plane of its own; 2. the front buffer of a pipe is
-/// never drawn to. Borrows the GpuContext, the copier and the clock. Thread-bound.
+/// Invariants: 1. no two pipes (lit heads) share a connector, a CRTC or a primary plane; 2. the front buffer of a pipe
+/// is never drawn to. Borrows the GpuContext, the copier and the clock. Thread-bound.
 class CardHeads {
  public:
   CardHeads(Card card, const Clock& clock) : card_(std::move(card)), waiter_(clock) {}
@@ -52,8 +52,8 @@ class CardHeads {
   [[nodiscard]] bool is_showing(std::size_t head) const;
   /// Refresh rate of the slowest head; 0 if none is lit.
   [[nodiscard]] double refresh_hz() const;
-  /// Returns the state of one head, and when it began to show the commit of the last wait(): kDark if it is not lit,
-  /// kSame if that commit did not include it.
+  /// Returns the state of one head and the time at which it began to show the commit of the last wait(). The state is
+  /// kDark if the head is not lit, kSame if that commit did not include it.
   [[nodiscard]] HeadShown shown(std::size_t head) const;
   /// Connector, mode, depth and projector of a head, such as "HDMI-A-1 1920x1080@60.00 10 bit EPS EB-L1755U", or
   /// "dark".
@@ -104,7 +104,7 @@ class CardHeads {
   Card card_;
   FlipWaiter waiter_;
   std::vector<Pipe> pipes_;
-  std::vector<Pipe> retired_;  // Buffers of earlier pipes, which the card may scan out until a light() succeeds.
+  std::vector<Pipe> retired_;  // Earlier pipes, whose buffers the card may scan out until light() succeeds.
 };
 
 }  // namespace cyclorama::output

@@ -28,7 +28,7 @@ struct Connector {
   [[nodiscard]] bool is_same_as(const Connector& other) const;
 };
 
-/// Probes the connector, which takes some milliseconds. Errors: from errno; a connector may vanish (a dock).
+/// Probes the connector, which takes some milliseconds. Errors: from errno; a connector may vanish (as with a dock).
 Result<Connector> probe_connector(int fd, std::uint32_t id);
 
 }  // namespace cyclorama::output

@@ -21,7 +21,7 @@ constexpr double kMaxHz = 1000.0;
 constexpr double kMinHz = 0.1;
 constexpr auto kMaxBackoff = std::chrono::seconds(1);
 constexpr auto kLookAgain = std::chrono::seconds(5);  // Rescan interval for dark heads, or without hot-plug events.
-constexpr int kMaxFailures = 20;                      // Successive failures before everything must be reopened.
+constexpr int kMaxFailures = 20;                      // Successive failures after which the output must be reopened.
 constexpr int kMaxBusyFlips = 3;
 
 /// One card and its state.
@@ -30,9 +30,9 @@ struct CardState {
   std::vector<Connector> connectors;
   bool needs_light = true;
   bool has_lost_master = false;
-  int failures = 0;  // Failures since it was last lit.
+  int failures = 0;  // Failures since the card was last lit.
   int busy_flips = 0;
-  bool has_flipped = false;  // True if it flipped in this present().
+  bool has_flipped = false;  // True if the card flipped in this present().
   TimePoint retry_at{};
 };
 
@@ -70,7 +70,7 @@ class DrmOutput final : public Output {
     was_awake_ = is_awake();
     is_drawn_.assign(modes_.size(), false);
     shown_.resize(modes_.size());
-    // Without a monitor, connectors are polled periodically.
+    // Without a hot-plug monitor, connectors are polled periodically.
     if (auto monitor = HotplugMonitor::open()) hotplug_.emplace(*std::move(monitor));
     return recover();
   }
@@ -179,7 +179,7 @@ class DrmOutput final : public Output {
     if (error.errno_value() == EBUSY && !card->needs_light && ++card->busy_flips <= kMaxBusyFlips) return Done{};
     card->needs_light = true;
     card->has_lost_master = is_master_lost(error);
-    // Another program may hold the card for any length of time, which is no reason to give up.
+    // Another program may hold the card for any length of time; that does not count as a failure.
     if (!card->has_lost_master && ++card->failures > kMaxFailures) return lost(error.message());
     const auto backoff = pace_.next_at() - pace_.shown_at();
     card->retry_at = clock_.now() + std::min<Duration>(kMaxBackoff, backoff * (card->failures / 3));
@@ -206,7 +206,7 @@ class DrmOutput final : public Output {
       }
       const bool is_same = std::equal(probed->begin(), probed->end(), card.connectors.begin(), card.connectors.end(),
                                       [](const Connector& a, const Connector& b) { return a.is_same_as(b); });
-      // Connected but dark heads are retried, too: other heads' new modes may have freed bandwidth.
+      // Connected but dark heads are retried, too, since new modes of other heads may have freed bandwidth.
       if (!is_same || has_dark(card)) card.needs_light = true;
     }
     return Done{};
@@ -264,7 +264,7 @@ class DrmOutput final : public Output {
 
   Status probe(CardState* card) {
     if (card->has_lost_master) {
-      // Regardless of the commit's error, another program is still the card's master.
+      // The errno is that of a lost master, even if become_master() failed for another reason.
       if (!card->heads->card().become_master()) return kms_error(-EACCES, "waiting for the card");
       card->has_lost_master = false;
     }
@@ -272,7 +272,7 @@ class DrmOutput final : public Output {
     return Done{};
   }
 
-  /// Uses all connectors that were seen on any card.
+  /// Considers all connectors of all cards, connected or not.
   void assign_connectors_to_heads() {
     std::vector<AvailableConnector> seen;
     for (std::size_t i = 0; i < cards_.size(); ++i) {

@@ -22,25 +22,26 @@ struct DrmHead {
 struct DrmOptions {
   std::vector<DrmHead> heads;
   double refresh_hz = 60.0;  ///< Preferred refresh rate of the modes.
-  /// The first one renders. Empty: all cards of the machine that have connectors.
+  /// Cards to use; the first one renders. Empty: all cards of the machine that have connectors.
   std::vector<std::filesystem::path> cards;
   std::chrono::milliseconds flip_timeout{500};
-  /// While false, all connectors are off (ACTIVE = 0). Null: always on. It must outlive the output; another thread may
-  /// write it.
+  /// Flag that another thread may write and that must outlive the output. While it is false, all connectors are off
+  /// (ACTIVE = 0). Null: always on.
   const std::atomic<bool>* is_awake = nullptr;
 };
 
 /// Drives heads on the connectors of one or several graphics cards; all heads of a card flip in one atomic commit.
 ///
-/// A head without a projector is drawn nevertheless and shown as soon as a projector is connected; its size is that of
-/// the installation, scaled to the projector's mode. Every failure is retried at the next refreshes: a projector that
-/// is off or was replaced, another program that holds the DRM master, a flip event that never came, a rejected modeset.
-/// While nothing is lit, refreshes continue at the requested rate. Makes its GL context current on the calling thread.
-/// present() waits for the flip and leaves no GL binding unchanged. `clock` must outlive the output.
+/// A head without a projector is drawn nevertheless and shown as soon as a projector is connected; it is drawn at the
+/// size given in the installation and scaled to the projector's mode. Every failure is retried at the following
+/// refreshes: a projector that is off or was replaced, another program that holds the DRM master, a flip event that
+/// never came, a rejected modeset. While nothing is lit, refreshes continue at the requested rate. Makes its GL context
+/// current on the calling thread. present() waits for the flip and may change any GL binding. `clock` must outlive the
+/// output.
 ///
 /// Errors: kInvalidArgument if there is no head, or a size, a rate or a connector's name is invalid; kNotFound, kBusy,
-/// kUnavailable or kSystem if a card cannot be opened or used for rendering, with the reason. Later: kUnavailable if
-/// the GPU was reset, a card is gone, or retries do not help.
+/// kUnavailable or kSystem if a card cannot be opened or used for rendering, with the reason. Later calls return
+/// kUnavailable if the GPU was reset, a card is gone, or retries do not help.
 Result<std::unique_ptr<Output>> open_drm_output(const DrmOptions& options, const Clock& clock);
 
 }  // namespace cyclorama::output

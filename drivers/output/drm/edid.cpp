@@ -20,7 +20,8 @@ constexpr std::size_t kDescriptors = 4;
 constexpr std::uint8_t kSerialText = 0xff;
 constexpr std::uint8_t kNameText = 0xfc;
 
-/// Table 3.23: up to 13 characters, terminated by a line feed and padded with spaces.
+/// Returns the text of a descriptor (table 3.23): up to 13 characters, terminated by a line feed and padded with
+/// spaces.
 std::string text_of(std::span<const std::uint8_t> descriptor) {
   std::string text;
   for (const std::uint8_t byte : descriptor.subspan(5)) {
@@ -41,7 +42,8 @@ std::string maker_of(std::uint8_t high, std::uint8_t low) {
   return maker;
 }
 
-/// Table 3.11: three bits for a digital input of version 1.4; other values are unknown or reserved.
+/// Returns the bits per primary (table 3.11): three bits for a digital input of version 1.4; 0 for other or reserved
+/// values.
 int colour_bits_of(std::uint8_t revision, std::uint8_t input) {
   constexpr std::array<int, 8> kDepths{0, 6, 8, 10, 12, 14, 16, 0};
   if (revision < 4 || (input & 0x80) == 0) return 0;

@@ -20,7 +20,7 @@ struct Edid {
   std::uint16_t product = 0;
   int colour_bits = 0;  ///< Bits per primary on a digital input; 0 if undefined.
 
-  /// "EPS EB-L1755U 000123", for people; printable ASCII for any input.
+  /// Returns a text for people, such as "EPS EB-L1755U 000123"; printable ASCII for any input.
   [[nodiscard]] std::string text() const;
 };
 

@@ -11,14 +11,14 @@
 
 namespace cyclorama::output {
 
-/// Time at which all CRTCs of one commit had their new picture.
+/// Completion of a commit: all of its CRTCs show their new picture.
 struct Flipped {
   TimePoint at{};          ///< Flip time of the last CRTC.
   bool has_vblank = true;  ///< False if the card has no vertical blank, so that flips happen at once (virtual cards).
 };
 
 /// Waits for a card's page-flip events, for one commit at a time; the cookie distinguishes events of an earlier commit
-/// that timed out. The kernel holds its address, so it is not movable. Borrows the clock. Thread-bound.
+/// that timed out. Cookies point into the waiter, so it is not movable. Borrows the clock. Thread-bound.
 class FlipWaiter {
  public:
   explicit FlipWaiter(const Clock& clock) : clock_(clock) {}
@@ -27,13 +27,14 @@ class FlipWaiter {
 
   /// Returns the cookie for a commit that touches this number of CRTCs.
   [[nodiscard]] void* expect(std::size_t crtcs);
-  /// Called when the commit failed: no event will come.
+  /// Call this after a failed commit, for which no event will come.
   void cancel();
   [[nodiscard]] bool is_waiting() const { return current_ != nullptr; }
   /// Blocks until every event has come. Precondition: is_waiting(). Errors: kTimedOut if they do not come within
   /// `timeout` (the commit is abandoned); others from errno.
   Result<Flipped> wait(const Card& card, std::chrono::milliseconds timeout);
-  /// Returns when a CRTC of the last awaited commit had its new picture; nothing if it was not part of that commit.
+  /// Returns the time at which a CRTC got its new picture in the last awaited commit; nothing if it was not part of
+  /// that commit.
   [[nodiscard]] std::optional<TimePoint> flipped_at(std::uint32_t crtc_id) const;
 
  private:

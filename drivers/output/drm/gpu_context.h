@@ -36,8 +36,8 @@ class EglImage {
   EGLImage image_ = EGL_NO_IMAGE;
 };
 
-/// OpenGL ES 3 on a card's own renderer (GBM). Current on the thread that made it until its destruction there. Borrows
-/// the card, which must outlive it. Thread-bound.
+/// OpenGL ES 3 on a card's own renderer (GBM). It is current on the thread that made it, and must be destroyed on that
+/// thread. Borrows the card, which must outlive it. Thread-bound.
 class GpuContext {
  public:
   /// Errors: kUnavailable if the driver does not support it; the message names the step that failed.
@@ -48,11 +48,11 @@ class GpuContext {
 
   [[nodiscard]] const Gl& gl() const { return gl_; }
   [[nodiscard]] const Card& card() const { return card_; }
-  /// Returns true once the GPU was reset, which destroys the contents of the context.
+  /// True once the GPU has been reset, which destroys the contents of the context.
   [[nodiscard]] bool is_lost() const;
 
-  /// Makes a buffer for rendering and scan-out, also on another card if `is_shared`. Errors: kUnavailable if there is
-  /// no memory or no such format.
+  /// Makes a buffer for rendering and scan-out; if `is_shared`, another card can scan it out. Errors: kUnavailable if
+  /// there is no memory or no such format.
   [[nodiscard]] Result<GbmBuffer> make_buffer(int width_px, int height_px, std::uint32_t format, bool is_shared) const;
   /// Uses the buffer as storage of the bound renderbuffer. The buffer must outlive the image. Errors: kUnavailable with
   /// EGL's error.

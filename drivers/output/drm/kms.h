@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Owning pointers for libdrm's objects, and its errors as ours. Internal to the DRM output.
+/// Owning pointers for libdrm's objects, and conversion of its errors. Internal to the DRM output.
 #pragma once
 
 #include <xf86drm.h>

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMaxModes = 8;
 constexpr std::uint32_t kUnfit = DRM_MODE_FLAG_INTERLACE | DRM_MODE_FLAG_DBLSCAN | DRM_MODE_FLAG_3D_MASK;
 
-/// VESA DMT id 0x10.
+/// Returns 1024x768 at 60 Hz (VESA DMT id 0x10).
 drmModeModeInfo safe_mode() {
   drmModeModeInfo mode{};
   mode.clock = 65000;
@@ -37,13 +37,13 @@ bool is_fit(const drmModeModeInfo& mode) {
   return (mode.flags & kUnfit) == 0 && mode.hdisplay > 0 && mode.vdisplay > 0 && refresh_hz_of(mode) > 0.0;
 }
 
-/// Smaller values are better.
+/// Returns a sort key; modes with smaller keys are better.
 auto rank(const drmModeModeInfo& mode, const ModePreference& preferred) {
   const bool has_preferred_size = mode.hdisplay == preferred.width_px && mode.vdisplay == preferred.height_px;
   const bool is_preferred = (mode.type & DRM_MODE_TYPE_PREFERRED) != 0;
   const int group = has_preferred_size ? 0 : is_preferred ? 1 : 2;
   const int pixels = static_cast<int>(mode.hdisplay) * mode.vdisplay;
-  // Rates that differ by less than this count as equal: 59.94 and 60 Hz.
+  // Rates that differ by less than this count as equal, such as 59.94 and 60 Hz.
   constexpr double kSameRate_hz = 0.25;
   const double off = std::round(std::abs(refresh_hz_of(mode) - preferred.refresh_hz) / kSameRate_hz);
   return std::make_tuple(group, group == 0 ? 0 : -pixels, off, is_preferred ? 0 : 1);

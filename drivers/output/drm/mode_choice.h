@@ -10,7 +10,7 @@
 
 namespace cyclorama::output {
 
-/// Mode that the installation requests; width and height as they leave the connector, before any rotation.
+/// Mode that the installation requests; width and height are those of the signal, after any rotation.
 struct ModePreference {
   int width_px = 0;
   int height_px = 0;
@@ -20,7 +20,7 @@ struct ModePreference {
 /// Returns the exact rate from pixel clock and totals, since the kernel's own field is rounded; 0 for a mode without
 /// them.
 [[nodiscard]] double refresh_hz_of(const drmModeModeInfo& mode);
-/// "1920x1080@60.00", for people.
+/// Returns a text for people, such as "1920x1080@60.00".
 [[nodiscard]] std::string text_of(const drmModeModeInfo& mode);
 [[nodiscard]] bool is_same_mode(const drmModeModeInfo& a, const drmModeModeInfo& b);
 
@@ -28,7 +28,7 @@ struct ModePreference {
 ///   1. progressive modes of the requested size, nearest to the requested rate first;
 ///   2. the projector's preferred mode (its panel's native size, to which the picture is scaled);
 ///   3. other progressive modes, largest first;
-///   4. 1024x768 at 60 Hz, which every projector supports, for one whose EDID could not be read.
+///   4. 1024x768 at 60 Hz, which every projector supports, in case the EDID could not be read.
 /// Excludes interlaced, doubled, 3D and invalid modes. Never empty; no duplicates; at most 8.
 [[nodiscard]] std::vector<drmModeModeInfo> modes_to_try(std::span<const drmModeModeInfo> offered,
                                                         const ModePreference& preferred);

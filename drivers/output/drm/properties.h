@@ -26,7 +26,7 @@ class Properties {
   static Result<Properties> read(int fd, std::uint32_t object_id, std::uint32_t type);
 
   [[nodiscard]] std::uint32_t object_id() const { return object_id_; }
-  /// Returns null if the driver does not have it.
+  /// Returns the property, or null if the driver does not have it.
   [[nodiscard]] const Property* find(std::string_view name) const;
 
  private:

@@ -11,7 +11,7 @@ namespace {
 
 // KWin uses a margin of 1.5 ms (src/backends/drm/drm_commit_thread.cpp); a sleeping thread wakes up to 1 ms late.
 constexpr auto kMinExtra = std::chrono::microseconds(2500);
-// Factor on the extra time at each refresh that was met: half of it is left after 140 refreshes.
+// Each refresh that is met multiplies the extra time by this factor: half of it remains after 140 refreshes.
 constexpr double kEasing = 0.995;
 
 Duration period_of(double refresh_hz) {

@@ -8,8 +8,8 @@
 namespace cyclorama::output {
 namespace {
 
-/// GEM handle of another card's buffer on this card. The framebuffer keeps the pixels alive, so it is needed only
-/// briefly.
+/// GEM handle of another card's buffer on this card. The framebuffer keeps the pixels alive, so the handle is needed
+/// only briefly.
 class ImportedHandle {
  public:
   static Result<ImportedHandle> import(const Card& card, gbm_bo* buffer) {

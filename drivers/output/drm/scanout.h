@@ -45,7 +45,7 @@ class Scanout {
   [[nodiscard]] std::uint32_t kms_framebuffer() const { return kms_framebuffer_.id(); }
 
  private:
-  GbmBuffer buffer_;  // First member, since those below refer to it.
+  GbmBuffer buffer_;  // First member, since the members below refer to it.
   EglImage image_;
   GlRenderbuffer renderbuffer_;
   GlFramebuffer gl_framebuffer_;

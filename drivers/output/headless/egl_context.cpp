@@ -27,7 +27,7 @@ class EglContext final : public GlContext {
       eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
       eglDestroyContext(display_, context_);
     }
-    // Not terminated, since the process has only one surfaceless display, which another context may use.
+    // The display is not terminated: the process has only one surfaceless display, which another context may use.
     eglReleaseThread();
   }
   [[nodiscard]] std::string kind() const override { return "headless EGL"; }

@@ -10,7 +10,7 @@
 
 namespace cyclorama::output {
 
-/// Current on the thread that made it until its destruction there. Thread-bound.
+/// A GL context that is current on the thread that made it, and must be destroyed on that thread. Thread-bound.
 class GlContext {
  public:
   virtual ~GlContext() = default;
@@ -27,7 +27,7 @@ class GlContext {
 /// EGL without a surface (EGL_MESA_platform_surfaceless), on a graphics card's render node or the software rasteriser.
 /// Errors: kUnavailable if the machine's EGL does not support it; the message names the step that failed.
 Result<std::unique_ptr<GlContext>> make_egl_context();
-/// Mesa's off-screen renderer, which needs no device. Errors: as make_egl_context().
+/// Mesa's off-screen renderer, which needs no device. Errors: those of make_egl_context().
 Result<std::unique_ptr<GlContext>> make_osmesa_context();
 
 }  // namespace cyclorama::output

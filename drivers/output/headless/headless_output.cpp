@@ -26,7 +26,7 @@ struct Head {
   RgbaImage read_back;
   RgbImage picture;
   bool is_drawn = false;  // Drawn since the last present().
-  bool is_new = false;    // True if the published picture is new.
+  bool is_new = false;    // True if this present() shows a new picture.
 };
 
 class HeadlessOutput final : public Output {

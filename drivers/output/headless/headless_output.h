@@ -17,13 +17,14 @@ struct HeadlessOptions {
   double refresh_hz = 60.0;
   std::filesystem::path run_dir;  ///< Directory for each head's shared picture (shared_picture.h); empty for none.
   Renderer renderer = Renderer::kAny;
-  /// While false, shared pictures are black. Null: always on. It must outlive the output; another thread may write it.
+  /// Flag that another thread may write and that must outlive the output. While it is false, shared pictures are black.
+  /// Null: always on.
   const std::atomic<bool>* is_awake = nullptr;
 };
 
 /// Opens heads in memory that are refreshed on the absolute schedule of `clock`. A picture counts as shown as soon as
-/// present() has all of it. Missed refreshes appear as a gap in the refresh number. Makes its context current on the
-/// calling thread.
+/// present() has drawn it completely. Missed refreshes appear as a gap in the refresh number. Makes its context current
+/// on the calling thread.
 ///
 /// Errors: kInvalidArgument if there is no head, or a size or the refresh rate is out of range; kUnavailable if there
 /// is no GL, with the reason; those of SharedPictureWriter::create() for the run directory. `clock` must outlive the

@@ -19,8 +19,8 @@ class RefreshSchedule {
   /// Precondition: refresh_hz > 0. Refresh 0 is at `start`.
   RefreshSchedule(double refresh_hz, TimePoint start);
 
-  /// Returns the next refresh to wait for: the successor of the last one returned or, if `now` is past its end, the
-  /// next future one. Skipped numbers are missed refreshes.
+  /// Returns the next refresh to wait for: the successor of the last one returned or, if that successor is over at
+  /// `now`, the first one that is not before `now`. Skipped numbers are missed refreshes.
   Refresh next(TimePoint now);
   [[nodiscard]] std::uint64_t missed() const { return missed_; }
 

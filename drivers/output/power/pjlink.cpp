@@ -115,7 +115,7 @@ class Connection {
   std::string read_;
 };
 
-/// `command` includes its parameter: "POWR ?".
+/// Sends one command and returns the answer. `command` includes its parameter: "POWR ?".
 Result<std::string> exchange(const PjlinkProjector& projector, std::string_view command,
                              std::chrono::milliseconds timeout) {
   TRY_ASSIGN(Connection connection, Connection::dial(projector.address, SteadyClock().now() + timeout));

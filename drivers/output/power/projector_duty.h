@@ -7,7 +7,7 @@
 
 namespace cyclorama::output {
 
-/// Decides whether one projector must be switched, from its observed and its required state; time plays no part.
+/// Decides whether one projector must be switched, from its observed and its required state, independently of time.
 ///
 ///   required     observed  action
 ///   on           off       switch on
@@ -15,7 +15,8 @@ namespace cyclorama::output {
 ///   any          others    query again
 ///
 /// A projector that has reached its required state is left alone until that state changes, since somebody who switches
-/// it by hand has a reason. One that does not answer may have lost power, so its state is restored afterwards.
+/// it by hand has a reason. A projector that does not answer may have lost power, so its state is restored once it
+/// answers again.
 ///
 /// A value; pure; thread-bound.
 class ProjectorDuty {

@@ -70,8 +70,8 @@ Result<std::vector<NamedProjector>> projectors_of(const Options& options) {
   return projectors;
 }
 
-/// Switches until the state is as requested or changing to it; one that cools down accepts no command for a minute or
-/// two.
+/// Repeats the command until the projector accepts it, at most until `deadline`: a projector that cools down accepts
+/// none for a minute or two.
 Status bring(const PjlinkProjector& projector, bool is_on, TimePoint deadline, const StopSignal& stop) {
   for (;;) {
     auto set = set_power(projector, is_on, kAnswerTimeout);
@@ -193,7 +193,7 @@ Status keep_hours(const Options& options, const std::vector<NamedProjector>& pro
 Status run(const Options& options, const StopSignal& stop) {
   TRY_ASSIGN(const std::vector<NamedProjector> projectors, projectors_of(options));
   const bool is_keep = options.command == "keep";
-  // A museum whose projectors have no network address is valid; a command without any projector is an error.
+  // `keep` is valid for a museum whose projectors have no network address; every other command needs a projector.
   if (projectors.empty() && (!is_keep || options.installation.empty())) {
     return Error(ErrorCode::kInvalidArgument,
                  "no projector is named; write HOST, or --installation with a [[projector]] that has pjlink = "

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Minimum time between key poses; a smaller one is a mistake.
+/// Minimum time between key poses; less is refused as a mistake.
 constexpr double kMinStepS = 1e-3;
 
 KeyPose key(double time_s, const Vector3d& position_m, double yaw_deg, double pitch_deg, double roll_deg) {
@@ -92,7 +92,7 @@ HandPath::Values HandPath::slope_at(std::size_t key) const {
   const Values b = slope_of(after);
   Values slope = Values::Zero();
   for (Eigen::Index i = 0; i < slope.size(); ++i) {
-    // At a turning point the slope is zero, else a weighted harmonic mean: Fritsch and Butland's G.
+    // At a turning point the slope is zero; elsewhere it is a weighted harmonic mean, Fritsch and Butland's G.
     if (a[i] * b[i] > 0.0) slope[i] = a[i] * b[i] / (alpha * b[i] + (1.0 - alpha) * a[i]);
   }
   return slope;

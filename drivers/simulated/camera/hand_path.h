@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Movement of a tag in a visitor's hand before a camera: a pure function of time, for simulated cameras and their
+/// Movement of a tag in a visitor's hand in front of a camera: a pure function of time, for simulated cameras and their
 /// tests.
 ///
 ///   The visitor faces the camera. Camera frame: x right, y down, z forward; so the visitor's right is -x, and
 ///   yaw    turns about the camera's y: positive when the visitor turns to their right (clockwise seen from above),
 ///   pitch  turns about the camera's x: positive when the upper edge of the tag leans away from the camera,
 ///   roll   turns about the camera's z: positive when the tag turns clockwise as the camera sees it.
-///   R_camera_tag = R_y(yaw) R_x(-pitch) R_z(roll); all zero shows the tag upright and flat to the camera.
+///   R_camera_tag = R_y(yaw) R_x(-pitch) R_z(roll); if all are 0, the tag is upright and faces the camera.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,10 +27,10 @@ struct KeyPose {
   double roll_rad = 0.0;
 };
 
-/// A smooth movement through key poses. It passes through every key and never beyond the range of two neighbours, so a
-/// hand that is held still stays still. Cubic Hermite pieces with the slopes of Fritsch and Butland, "A Method for
-/// Constructing Local Monotone Piecewise Cubic Interpolants", SIAM J. Sci. Stat. Comput. 5 (1984). Immutable;
-/// reentrant.
+/// A smooth movement through key poses. It passes through every key and, between two keys, stays within the range of
+/// their values, so a hand that is held still stays still. The pieces are cubic Hermite polynomials with the slopes of
+/// Fritsch and Butland, "A Method for Constructing Local Monotone Piecewise Cubic Interpolants", SIAM J. Sci. Stat.
+/// Comput. 5 (1984). Immutable; reentrant.
 class HandPath {
  public:
   /// `loop_s` is the time at which the movement returns to the first key and starts again; without it the last pose is

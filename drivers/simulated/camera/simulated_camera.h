@@ -13,8 +13,8 @@
 
 namespace cyclorama::simulated {
 
-/// Renders the pictures of a simulation. Picture n begins its exposure at n / frames_per_second on the path, and
-/// depends only on the simulation and n. Immutable; reentrant.
+/// Renders the pictures of a simulation. The exposure of picture n begins at time n / frames_per_second of the path;
+/// the picture depends only on the simulation and n. Immutable; reentrant.
 class SimulatedView {
  public:
   explicit SimulatedView(Simulation simulation);
@@ -28,11 +28,11 @@ class SimulatedView {
   Sensor sensor_;
 };
 
-/// A real-time camera that sees a hand with a tag. Its users get pixels only, never the true poses. Thread-bound except
+/// A real-time camera that sees a hand with a tag. Its users get only pixels, never the true poses. Thread-bound except
 /// for id().
 class SimulatedCamera final : public camera::Camera {
  public:
-  /// Borrows `clock` for its whole life.
+  /// `clock` must outlive the camera.
   SimulatedCamera(Simulation simulation, const Clock& clock);
 
   [[nodiscard]] const std::string& id() const override { return id_; }

@@ -24,7 +24,7 @@ struct Simulation {
   double exposure_s = 0.004;
   int exposure_steps = 4;   ///< Number of averaged moments of the exposure (motion blur): 1, 2, 4 or 8.
   double noise_grey = 1.5;  ///< Standard deviation, in grey levels of 255.
-  double brightness = 1.0;  ///< Gain on everything but the noise; highlights clip as in a camera.
+  double brightness = 1.0;  ///< Gain of the light, not of the noise; highlights clip.
   std::uint32_t seed = 1;   ///< Seed of noise and clutter.
   Backdrop backdrop = Backdrop::kClutter;
   double backdrop_grey = 90.0;
@@ -32,7 +32,7 @@ struct Simulation {
   HandPath path = HandPath::demo();
 
   /// Reads TOML with the keys in docs/reference/settings.md; an absent key keeps the default above.
-  /// Errors: kBadData with file, line and remedy; others as read_file().
+  /// Errors: kBadData with file, line and remedy; others are those of read_file().
   static Result<Simulation> read(const std::filesystem::path& path);
   static Result<Simulation> parse(std::string_view text, std::string name);
 };

@@ -43,9 +43,9 @@ struct Sample {
 };
 
 /// Hammersley points over the pixel: S points have S different columns and S different rows, so that an edge in any
-/// direction is located to 1/(2S) of a pixel. The points of one moment are spread over all columns and rows alike: with
-/// i split into a high and a low half, the column's leading digits are the high half and the row's the reversed low
-/// half, and a moment holds the pairs whose halves differ by a fixed exclusive or.
+/// direction is located to 1/(2S) of a pixel. Let h and l be the high and the low half of the bits of i: the leading
+/// digits of the column are h, those of the row are l reversed, and the moment is (h xor l) modulo `moments`. The
+/// points of each moment are therefore spread evenly over columns and rows.
 std::vector<Sample> samples_of(std::size_t moments) {
   unsigned bits = 2;
   while ((std::size_t{1} << bits) < moments) ++bits;
@@ -62,7 +62,7 @@ std::vector<Sample> samples_of(std::size_t moments) {
   return samples;
 }
 
-/// Bounds the pixels that a box of a plane can touch, for a map from that plane to the picture.
+/// Returns bounds of the pixels that a box of a plane can touch. `to_image` maps the plane to the picture.
 Box box_of(const Eigen::Matrix3d& to_image, const Eigen::AlignedBox2d& scene, const Pinhole& lens) {
   const Box all{0, 0, lens.width_px, lens.height_px};
   Eigen::AlignedBox2d around;
@@ -134,7 +134,7 @@ float TagPainter::Panel::grey_at(double x, double y) const {
     if (y > 1.1 && y < kHandBottom && std::abs(x - 0.25) < 0.20 + 0.05 * (y - 1.1)) return kSleeveGrey;
     return kNothing;
   }
-  // The thumb stays off the white border, which a detector needs.
+  // The thumb does not cover the white border, which a detector needs.
   if (has_thumb && y > bitmap_width / 2.0 && in_ellipse(x, y, 0.32, 0.80, 0.10, 0.16)) return kSkinGrey;
   if (!(std::abs(x) <= half && std::abs(y) <= half)) return kNothing;
   // Avoids floor(), which is a function call on older processors; the paper ends before cell -2.

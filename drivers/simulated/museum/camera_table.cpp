@@ -28,7 +28,7 @@ struct Grid {
 };
 
 /// Change of (u, v) from one camera pixel to the next in a direction: a central difference if both neighbours see the
-/// same part of the wall, else a one-sided one.
+/// same part of the wall, otherwise a one-sided difference.
 Eigen::Vector2d slope(const std::vector<Light>& lights, const std::vector<CameraTable::Place>& positions,
                       std::size_t here, std::size_t before, std::size_t after) {
   const auto is_like = [&](std::size_t other) {

@@ -8,8 +8,8 @@
 ///        · ·     projector's picture, spread by the defocus at that distance
 ///
 /// The quarters cancel the camera's own sampling frequency, so a dot's centre is accurate to some thousandths of a
-/// pixel. Their variance is smaller than a square's 1/12 by 1/48, which is kFootprintLack_px2; the lens blur must add
-/// it.
+/// pixel. Their variance is 1/16 px^2, less than the 1/12 px^2 of a square pixel. The lens blur must add the
+/// difference, kFootprintLack_px2.
 #pragma once
 
 #include <cstdint>
@@ -31,9 +31,10 @@ struct CameraTable {
   };
   struct Projector {
     std::vector<Sample> samples;          ///< Ordered by pixel.
-    std::vector<std::size_t> row_begins;  ///< Index of each row's first sample; one entry more than there are rows.
+    std::vector<std::size_t> row_begins;  ///< Index of each row's first sample, and the end of the last row.
   };
-  /// Wall part and position in its grid of cells that a camera pixel sees. A part below 0 means beside the wall.
+  /// Part of the wall that a camera pixel sees, and the position in that part's grid of cells. The part is negative if
+  /// the pixel does not see the wall.
   struct Place {
     std::int32_t part = -1;
     float across = 0.0f;

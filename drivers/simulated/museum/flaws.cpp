@@ -127,7 +127,8 @@ void bend_wall(RandomStream draws, double min_m, double max_m, MuseumTruth* trut
     lowest = std::min(lowest, value);
     highest = std::max(highest, value);
   }
-  // The wall is nearest where the deviation is highest: radius = wall's - height.
+  // The wall is nearest to the axis where the deviation is highest, since the distance is the radius minus the
+  // deviation.
   const double amplitude = (max_m - min_m) / (highest - lowest);
   wall->radius_m = min_m + amplitude * highest;
   // The ends of the arc must not move, and the wave's coordinate scales with the radius.
@@ -140,7 +141,7 @@ void tilt_wall(RandomStream draws, MuseumTruth* truth) {
   const double by = draws.between(1.5, 4.0) * kDegree;
   const Eigen::Vector3d axis(std::cos(towards), 0.0, std::sin(towards));
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(by, axis));
-  // Tilts about a point at eye height, so that the picture stays on the wall.
+  // The pivot is at eye height, so that the picture stays on the wall.
   const Eigen::Vector3d pivot(0.0, 1.6, 0.0);
   truth->T_room_wall = {turned, pivot - turned * pivot};
 }

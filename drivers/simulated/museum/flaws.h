@@ -10,7 +10,7 @@
 
 namespace cyclorama::simulated {
 
-/// Reproducible random numbers on every platform, in independent streams. A value.
+/// Random numbers that are the same on every platform, in independent streams. A value.
 class RandomStream {
  public:
   explicit RandomStream(std::uint64_t seed) : state_(seed) {}
@@ -26,7 +26,7 @@ class RandomStream {
 /// Bends the wall so that its distance from the axis spans exactly [min_m, max_m] along the arc, in about one wave.
 /// Precondition: the wall is a cylinder.
 void bend_wall(RandomStream draws, double min_m, double max_m, MuseumTruth* truth);
-/// Tilts the wall by 1.5 to 4 degrees about its lower middle, in any direction.
+/// Tilts the wall by 1.5 to 4 degrees, in any direction, about the point of the room's axis at eye height.
 void tilt_wall(RandomStream draws, MuseumTruth* truth);
 /// Adds waves and dents of 0.5 to 3 cm.
 void dent_wall(RandomStream draws, MuseumTruth* truth);

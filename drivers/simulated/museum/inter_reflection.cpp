@@ -27,7 +27,7 @@ std::vector<Piece> pieces_of(const TrueWall& wall, const WallPosition& low, cons
   return pieces;
 }
 
-/// Form factor per area of the other piece: cos cos / (pi d^2); 0 if one is behind the other.
+/// Form factor per area of the other piece: cos cos / (pi d^2); 0 if one piece is behind the other.
 double exchange(const Piece& a, const Piece& b) {
   const Eigen::Vector3d between = b.point - a.point;
   const double distance2 = between.squaredNorm();

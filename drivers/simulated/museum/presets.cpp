@@ -44,7 +44,7 @@ std::string head_text(std::string_view name, std::string_view wall) {
   return fmt::format("name = \"{}\"\n[wall]\n{}[visitor]\neye_m = [0, {}, 0]\n", name, wall, kEye_m);
 }
 
-/// Returns projectors above the visitor, each somewhat behind the centre on its own axis, facing outwards.
+/// Returns projectors above the visitor that face outwards, each set back from the centre along its axis.
 std::string around(const PresetOptions& options, double radius_m, double arc_rad, double behind_m) {
   const Share share = shares(arc_rad, options.projectors, options.overlap);
   const double half = 0.5 * share.width;
@@ -79,7 +79,8 @@ std::string plane_text(const PresetOptions& options) {
   const double fov = 2.0 * std::atan(0.52 * share.width / kThrow_m);
   const double focal_per_height = 0.5 * options.projector_width_px / std::tan(0.5 * fov) / options.projector_height_px;
   for (int i = 0; i < options.projectors; ++i) {
-    // Level, above the picture, and with lens shift downwards: no keystone, as installers prefer.
+    // The projectors are level and above the picture, and shift it downwards: there is no keystone, as installers
+    // prefer.
     const double x = (i - 0.5 * (options.projectors - 1)) * share.step;
     const double drop = kTop_m + 0.1 - 0.5 * (kTop_m + kBottom_m);
     text += projector_text(i, options, fov, {x, kTop_m + 0.1, kThrow_m - kAway_m}, 0.0, 0.0,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Museums to calibrate, drawn from a seed: the installation as an installer would describe it, and the true one.
-/// Contains the truth: see truth.h for its permitted users.
+/// Simulated museums to calibrate, drawn from a seed: each is an installation as an installer would describe it, and
+/// the true one. Contains the truth: see truth.h for its permitted users.
 ///
 ///   cylinder126         the usual plan: radius 4.3 m, 126 degrees
 ///   not-quite-cylinder  the same, 4.06 to 4.6 m from its axis, as measured in a real museum
@@ -25,19 +25,19 @@ struct PresetOptions {
   int projector_width_px = 1920;
   int projector_height_px = 1080;
   double camera_megapixels = 2.0;
-  double overlap = 0.25;  ///< Fraction of the width of neighbouring pictures.
-  bool has_flaws = true;  ///< If false, all optics are perfect and only the wall's shape remains.
+  double overlap = 0.25;  ///< Overlap of neighbours, as a fraction of their width.
+  bool has_flaws = true;  ///< If false, the optics are perfect; only the wall differs.
 };
 
 struct Preset {
   std::string installation_text;  ///< installation.toml
-  Installation installation;      ///< The same, parsed.
+  Installation installation;      ///< Parsed `installation_text`.
   MuseumTruth truth;
 };
 
 [[nodiscard]] const std::vector<std::string>& preset_names();
-/// The same name, seed and options give the same museum. Errors: kInvalidArgument for an unknown name or invalid
-/// options.
+/// Makes a museum; the same name, seed and options give the same museum. Errors: kInvalidArgument for an unknown name
+/// or invalid options.
 Result<Preset> make_preset(std::string_view name, std::uint32_t seed, const PresetOptions& options = {});
 /// Writes installation.toml and truth.toml into an existing folder.
 Status write_preset(const Preset& preset, const std::filesystem::path& folder);

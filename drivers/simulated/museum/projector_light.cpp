@@ -30,7 +30,7 @@ CodeTable table_of(const TrueMuseum& museum, std::size_t projector, const Camera
   return table;
 }
 
-/// Removes the variance of bilinear interpolation, a tent with twice the variance of a square pixel, from the blur.
+/// Returns the blur to apply besides bilinear interpolation, whose tent has twice the variance of a square pixel.
 double blur_besides_sampling(double blur_px) {
   const double variance = blur_px * blur_px - 1.0 / 6.0;
   return variance > 0.0 ? std::sqrt(variance) : 0.0;

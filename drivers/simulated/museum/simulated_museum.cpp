@@ -78,7 +78,7 @@ struct SimulatedMuseum::State {
            0.5 * turntable.backlash_rad * last_turn_sign + turntable.jitter_rad * stop;
   }
 
-  /// Response of the camera's channels to slowly varying light on the wall's cells: indirect and ambient.
+  /// Response of the camera's channels to the light on the wall's cells that varies slowly: indirect and ambient light.
   [[nodiscard]] std::vector<std::vector<float>> slow_light(const std::vector<CameraChannel>& channels, bool is_before) {
     InterReflection::Light light(truth.cells().count(), truth.truth().ambient_lux);
     if (const InterReflection* walls = truth.inter_reflection()) {
@@ -113,7 +113,7 @@ struct SimulatedMuseum::State {
   std::vector<std::vector<float>> seen_light(const std::vector<CameraChannel>& channels, bool is_before);
   void add_slow_light(const std::vector<std::vector<float>>& cells, int begin, int end,
                       std::vector<std::vector<float>>* planes) const;
-  /// Blends both pictures, weighted in each row by exposure time.
+  /// Blends the light of both pictures, weighted in each row by exposure time.
   std::vector<std::vector<float>> exposed_light(const std::vector<CameraChannel>& channels, double exposure_s);
   template <int Channels>
   Result<Image<std::uint16_t, Channels>> photograph(const std::vector<CameraChannel>& channels, double exposure_s);

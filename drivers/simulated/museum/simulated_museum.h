@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A simulated museum with the devices that a calibration uses: projectors that show pictures, and a turntable with a
-/// camera. It has true optics, and its users get photographs only, not the truth.
+/// camera. Its optics have flaws, and its users get only photographs, not the truth.
 ///
 ///     show(i, picture) ──▶ projector i ── light ──▶ wall ⇄ wall ──▶ camera ──▶ photograph_grey(exposure)
 ///                                                                     │
@@ -33,9 +33,9 @@ using RgbPhotograph = Image<std::uint16_t, 3>;
 /// Thread-bound.
 class SimulatedMuseum {
  public:
-  /// Errors as TrueMuseum::make().
+  /// Errors: those of TrueMuseum::make().
   static Result<SimulatedMuseum> make(Installation installation, const MuseumTruth& truth, int threads = 2);
-  /// Opens installation.toml and the truth beside it. Errors as read_installation().
+  /// Opens installation.toml and the truth beside it. Errors: those of read_installation().
   static Result<SimulatedMuseum> open(const std::filesystem::path& installation, int threads = 2);
   SimulatedMuseum(SimulatedMuseum&&) noexcept;
   SimulatedMuseum& operator=(SimulatedMuseum&&) noexcept;
@@ -45,8 +45,8 @@ class SimulatedMuseum {
   [[nodiscard]] const Installation& installation() const;
   [[nodiscard]] std::size_t projector_count() const;
 
-  /// The light follows after the projector's latency. An empty picture turns the lamp off. Initially all are off.
-  /// Errors: kInvalidArgument if there is no such projector, or the picture has another size.
+  /// Shows a picture; its light arrives after the projector's latency. An empty picture turns the lamp off. Initially
+  /// all lamps are off. Errors: kInvalidArgument if there is no such projector, or the picture has another size.
   Status show(std::size_t projector, RgbImage picture);
   /// Waits until all projectors show their latest pictures.
   void settle();
@@ -68,7 +68,7 @@ class SimulatedMuseum {
   Result<GreyPhotograph> photograph_grey(double exposure_s);
   Result<RgbPhotograph> photograph_colour(double exposure_s);
 
-  /// For scoring, with drivers/simulated/museum/true_museum.h.
+  /// Returns the truth, for scoring; see true_museum.h.
   [[nodiscard]] const TrueMuseum& truth() const;
   /// True angle of the turntable. For scoring.
   [[nodiscard]] double true_turntable_angle_rad() const;

@@ -20,7 +20,8 @@ struct Touch {
   const Visitor* who = nullptr;
 };
 
-/// Returns the first visitor hit on the way from `origin` along `direction`, before `far` times its length.
+/// Returns the first visitor that a ray from `origin` along `direction` hits, within `far` times the length of
+/// `direction`.
 std::optional<Touch> touch(std::span<const Visitor> visitors, const Eigen::Vector3d& origin,
                            const Eigen::Vector3d& direction, double far) {
   std::optional<Touch> first;

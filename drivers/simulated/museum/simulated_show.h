@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A museum during the show: fixed cameras look at the wall, somebody bumps a projector, visitors walk through the
-/// light. For the continuous calibration. Contains the truth: see truth.h for its permitted users.
+/// light. It serves to test the continuous calibration. Contains the truth: see truth.h for its permitted users.
 ///
 ///     show(i, picture) ─▶ projector i ─ light ─▶ people ─▶ wall ⇄ wall ─▶ people ─▶ camera k ─▶ photograph(k, ...)
 ///                             ▲ move_projector()              set_ambient()            ▲ move_camera()
@@ -20,7 +20,7 @@
 
 namespace cyclorama::simulated {
 
-/// Optics as for a calibration's camera, but without rolling shutter.
+/// A camera that watches the wall. Its optics are those of a calibration's camera, but without a rolling shutter.
 struct FixedCamera {
   TrueCamera optics;
   RigidTransform<frame::Room, frame::Camera> T_room_camera;
@@ -38,11 +38,12 @@ struct Visitor {
 /// Thread-bound. The same calls in the same order give the same photographs, for any number of threads.
 class SimulatedShow {
  public:
-  /// Errors as TrueMuseum::make(); kInvalidArgument also for a camera behind the wall.
+  /// Errors: those of TrueMuseum::make(); kInvalidArgument also for a camera behind the wall.
   static Result<SimulatedShow> make(Installation installation, MuseumTruth truth, std::vector<FixedCamera> cameras,
                                     int threads = 1);
 
-  /// An empty picture turns the lamp off; initially all are off. Errors as SimulatedMuseum::show().
+  /// Shows a picture; an empty one turns the lamp off. Initially all lamps are off. Errors: those of
+  /// SimulatedMuseum::show().
   Status show(std::size_t projector, RgbImage picture);
   /// Preconditions: the projector exists; the camera exists.
   Status move_projector(std::size_t projector, const RigidTransform<frame::Room, frame::Projector>& T_room_projector);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The room in which the show's simulated devices stand: projectors that show pictures, and a fixed camera beside each.
-/// It has true optics and does not expose the truth; it is built on SimulatedShow.
+/// It is built on SimulatedShow and does not expose the truth.
 ///
-/// A projector is bumped by replacing the truth's file beside installation.toml: the next photograph uses the new file.
+/// To bump a projector, replace the truth's file beside installation.toml: the next photograph uses the new file.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ class SimulatedStage {
     double tangential[2] = {};
   };
 
-  /// Errors as SimulatedMuseum::open().
+  /// Errors: those of SimulatedMuseum::open().
   static Result<SimulatedStage> open(const std::filesystem::path& installation, const Options& options);
   SimulatedStage(SimulatedStage&&) noexcept;
   SimulatedStage& operator=(SimulatedStage&&) noexcept;
@@ -43,9 +43,8 @@ class SimulatedStage {
 
   [[nodiscard]] std::size_t camera_count() const;
   [[nodiscard]] Lens lens(std::size_t camera) const;  ///< Precondition: there is such a camera.
-  /// `picture` has the projector's size, or is smaller by a whole number in each dimension and is then enlarged. An
-  /// empty picture turns the lamp off. Errors: kInvalidArgument if there is no such projector, or the picture has
-  /// another size.
+  /// `picture` has the projector's size, or that size divided by a whole number; it is then enlarged. An empty picture
+  /// turns the lamp off. Errors: kInvalidArgument if there is no such projector, or the picture has another size.
   Status show(std::size_t projector, const RgbImage& picture);
   /// Returns grey codes of 8 bits. Errors: kInvalidArgument if there is no such camera; kBadData if the truth's file
   /// was replaced by an invalid one.

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kMaxTangent = 20.0;  // 87 degrees from the axis, beyond any pinhole picture.
 
-/// Derivative of the distorted radius with respect to the radius; the lens turns back at its first root.
+/// Derivative of the distorted radius with respect to the radius; beyond its first root the distorted radius decreases.
 double radial_slope(const std::array<double, 3>& k, double r) {
   const double s = r * r;
   return 1.0 + s * (3.0 * k[0] + s * (5.0 * k[1] + s * 7.0 * k[2]));
@@ -19,7 +19,7 @@ double turning_radius(const std::array<double, 3>& k) {
   constexpr int kSteps = 4000;
   double inside = 0.0;
   for (int i = 1; i <= kSteps; ++i) {
-    // Steps grow with the radius, since distortion that turns back does so near the axis.
+    // Steps grow with the radius, since a distortion that turns back does so near the axis.
     const double part = static_cast<double>(i) / kSteps;
     const double r = kMaxTangent * part * part;
     if (radial_slope(k, r) > 0.0) {

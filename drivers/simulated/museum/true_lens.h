@@ -31,7 +31,7 @@ class TrueLens {
   [[nodiscard]] Eigen::Vector2d distorted(const Eigen::Vector2d& ideal) const;
   /// Derivative of distorted() with respect to `ideal`.
   [[nodiscard]] Eigen::Matrix2d derivative(const Eigen::Vector2d& ideal) const;
-  /// Inverts distorted() by Newton's method to within 1e-12; nothing if no ray of the lens arrives at `seen`.
+  /// Inverts distorted() by Newton's method to within 1e-12; returns nothing if no ray of the lens arrives at `seen`.
   [[nodiscard]] std::optional<Eigen::Vector2d> undistorted(const Eigen::Vector2d& seen) const;
 
   /// Projects a point in front of the lens; the pixel may lie outside the picture.

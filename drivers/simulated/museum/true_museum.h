@@ -4,7 +4,7 @@
 ///
 ///   flux of a pixel     flux_lm / pixels * cos^n(a)                a: angle from the lens's axis
 ///   irradiance, lux     flux * |pixels per steradian| * cos(wall) / distance^2
-///   pixels / steradian  f^2 |distortion's derivative| / cos^3(a)   where distortion enlarges, it dims
+///   pixels / steradian  f^2 |distortion's derivative| / cos^3(a)   where distortion enlarges, light is dimmer
 ///   radiance, nits      albedo / pi * (direct + indirect + ambient)
 #pragma once
 
@@ -21,7 +21,7 @@
 
 namespace cyclorama::simulated {
 
-/// Thread-safe, since it is immutable.
+/// A simulated museum as it really is. Immutable, hence thread-safe.
 class TrueMuseum {
  public:
   /// Errors: kInvalidArgument if the wall cannot be simulated, the truth's number of projectors or picture sizes differ
@@ -34,11 +34,11 @@ class TrueMuseum {
 
   /// Returns the wall point that a position in a projector's picture lights.
   [[nodiscard]] std::optional<TrueWall::Hit> wall_at(std::size_t projector, double u, double v) const;
-  /// Returns the direction of that point from an eye; unit length, in the Room frame.
+  /// Returns the direction from an eye to the point of wall_at(); unit length, in the Room frame.
   [[nodiscard]] std::optional<Eigen::Vector3d> direction_at(std::size_t projector, double u, double v,
                                                             const Point<frame::Room>& eye) const;
   /// Returns the position in a projector's picture that lights a point of the wall; it may lie outside the picture.
-  /// Nothing if no light of this projector can arrive.
+  /// Returns nothing if no light of this projector can arrive.
   [[nodiscard]] std::optional<Eigen::Vector2d> projector_pixel(std::size_t projector, const TrueWall::Hit& at) const;
 
   /// Irradiance in lux for one unit of a channel's light; 0 if the light cannot arrive.
@@ -62,7 +62,8 @@ class TrueMuseum {
 
   /// Returns the camera's pose for a true angle of the turntable.
   [[nodiscard]] RigidTransform<frame::Room, frame::Camera> camera_pose(double true_angle_rad) const;
-  /// The point of the turntable's axis nearest to the camera's centre, about which the camera turns.
+  /// Returns the point about which the camera turns: the point of the turntable's axis that is nearest to the camera's
+  /// centre.
   [[nodiscard]] Point<frame::Room> turning_point() const;
 
  private:

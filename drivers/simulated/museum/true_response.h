@@ -15,7 +15,7 @@ struct TrueResponse {
   double clip = 1.0;
   double dip = 0.0;
 
-  /// In [0, 1] for every x.
+  /// Returns the response to x; in [0, 1] for every x.
   [[nodiscard]] double at(double x) const;
 };
 

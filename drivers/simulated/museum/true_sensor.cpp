@@ -12,8 +12,8 @@ constexpr std::size_t kSteps = 1u << 16;  // Steps of the amplifier's table.
 constexpr std::size_t kQuantiles = 1u << 14;
 
 std::vector<float> make_quantiles() {
-  // Newton's method on the normal distribution, each started from the previous one; the other half by symmetry; then
-  // scaled to variance 1.
+  // Computes the upper half of the quantiles by Newton's method, each started from the previous one. The lower half
+  // follows by symmetry; all are scaled to variance 1.
   std::vector<double> half;
   double x = 0.0;
   for (std::size_t i = kQuantiles / 2; i < kQuantiles; ++i) {
@@ -75,7 +75,7 @@ void TrueSensor::read_row(std::span<const float> electrons, std::uint64_t stream
     float e = electrons[i];
     if (is_noisy) {
       if (i % 4 == 0) bits = mixed(stream * 0x100000001b3u + i);
-      // A normal deviate approximates the Poisson distribution, well enough above about twenty electrons.
+      // A normal deviate approximates the Poisson distribution well enough above about twenty electrons.
       const float variance = (has_shot_noise_ ? std::max(e, 0.0f) : 0.0f) + read_variance_;
       e += std::sqrt(variance) * quantiles[bits & (kQuantiles - 1)];
       bits >>= 16;

@@ -18,10 +18,10 @@ class TrueSensor {
   explicit TrueSensor(const TrueCamera& camera);
 
   /// Reads one row of one channel: `electrons` are written as codes to every `stride`th entry of `codes`. The same
-  /// `stream` gives the same noise; each row, channel and photograph needs its own.
+  /// `stream` gives the same noise; each row, channel and photograph needs a different one.
   void read_row(std::span<const float> electrons, std::uint64_t stream, std::uint16_t* codes, std::size_t stride) const;
 
-  /// Code without noise and rounding.
+  /// Returns the code without noise and rounding.
   [[nodiscard]] double expected_code(double electrons) const;
 
  private:
@@ -34,8 +34,8 @@ class TrueSensor {
   std::vector<float> codes_;  ///< Codes at even steps of the amplifier's input, up to 1.
 };
 
-/// Mixes a number to pseudorandom bits. Source: Steele, Lea and Flood, "Fast Splittable Pseudorandom Number
-/// Generators", OOPSLA 2014 (SplitMix64's finaliser).
+/// Maps a number to pseudorandom bits. Source: Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators",
+/// OOPSLA 2014 (SplitMix64's finaliser).
 [[nodiscard]] std::uint64_t mixed(std::uint64_t number);
 /// Normal deviates of mean 0 and variance 1, at the midpoints of equally probable steps; their number is a power of
 /// two.

@@ -13,7 +13,7 @@ namespace cyclorama::simulated {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kOnTheEdge = 1e-9;  // Relative to a part's size; rounding must leave no gap.
+constexpr double kOnTheEdge = 1e-9;  // Relative to a part's size; rounding must not leave a gap.
 
 double middle_height(const CylinderWall& w) { return 0.5 * (w.bottom_m + w.top_m); }
 
@@ -276,7 +276,7 @@ double TrueWall::area_m2(const WallPosition& low, const WallPosition& high) cons
     }
     return size_m(low.part).prod() * across * along;
   }
-  // Central differences; cells are small compared to the deviation's features.
+  // Uses central differences, since cells are small compared to the deviation's features.
   const auto middle = [&](double a, double b) {
     return at({low.part, low.across + a * across, low.along + b * along}).point.xyz;
   };

@@ -43,9 +43,10 @@ class TrueWall {
   /// Returns whether `across` is periodic.
   [[nodiscard]] bool goes_round() const { return std::holds_alternative<DomeWall>(shape_); }
   [[nodiscard]] Hit at(const WallPosition& position) const;
-  /// Area in m^2 of the piece between two positions of one part, approximated at its centre; metres from edge to edge.
+  /// Area of the piece of one part between two positions, in m^2: exact without a deviation, otherwise approximated at
+  /// the piece's centre.
   [[nodiscard]] double area_m2(const WallPosition& low, const WallPosition& high) const;
-  /// Lengths of a part through its centre, for an even division: across, along.
+  /// Lengths of a part across and along, measured through its centre, for an even division into cells.
   [[nodiscard]] Eigen::Vector2d size_m(std::size_t part) const;
 
  private:

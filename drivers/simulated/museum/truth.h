@@ -32,21 +32,21 @@ struct TrueProjector {
   TrueLens lens;
   RigidTransform<frame::Room, frame::Projector> T_room_projector;
   double flux_lm = 3000.0;  ///< Flux of a white picture.
-  /// Exponent n of cos^n from the axis, by which a pixel's flux falls; 4 as for a simple lens.
+  /// Exponent n of cos^n(angle from the axis), by which a pixel's flux falls; 4 for a simple lens.
   double vignetting_exponent = 0.0;
   std::array<TrueResponse, 3> response{};                     ///< Red, green and blue.
   ColourMatrix primaries{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< Room colour of each channel, in units of white.
   RoomColour black{};                                         ///< Black level: light of each channel at code 0.
-  double blur_px = 0.3;  ///< Standard deviation of the blur in focus; below 0.41 there is only the pixel's own.
+  double blur_px = 0.3;  ///< Standard deviation of the blur in focus; at least 0.41, a pixel's own, is applied.
   double focus_distance_m = 4.0;
   double defocus_px_per_dioptre = 0.0;
-  double latency_s = 0.0;  ///< Delay from show() to the light.
+  double latency_s = 0.0;  ///< Delay from show() to the light of the picture.
 };
 
 struct TrueCamera {
   TrueLens lens;
   double vignetting_exponent = 0.0;
-  /// Response of its red, green and blue pixels to room colour.
+  /// Response of the camera's red, green and blue pixels to room colour.
   ColourMatrix sensitivity{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   RoomColour grey_sensitivity{0.2126, 0.7152, 0.0722};  ///< Response of the same camera without colour filters.
   double electrons_per_nit_s = 3000.0;
@@ -65,10 +65,10 @@ struct TrueTurntable {
   /// The turntable turns about the y axis of the Turntable frame.
   RigidTransform<frame::Room, frame::Turntable> T_room_turntable;
   RigidTransform<frame::Turntable, frame::Camera>
-      T_turntable_camera;     ///< Its translation is the camera's offset from the axis.
+      T_turntable_camera;     ///< The translation is the camera's offset from the axis.
   double scale_error = 0.0;   ///< Relative error of the angle; positive turns too far.
-  double wobble_rad = 0.0;    ///< Amplitude of a sine once per turn, from an eccentric gear.
-  double backlash_rad = 0.0;  ///< The angle falls short by half of it, in the direction of the last turn.
+  double wobble_rad = 0.0;    ///< Amplitude of one sine period per turn, from an eccentric gear.
+  double backlash_rad = 0.0;  ///< The angle falls short by half of this in the direction of the last turn.
   double jitter_rad = 0.0;    ///< Standard deviation of the angle at each stop.
   double speed_rad_s = 0.5;
 };
@@ -91,15 +91,15 @@ struct MuseumTruth {
   /// spot.
   static MuseumTruth ideal(const Installation& installation);
 
-  /// Errors: kBadData, as in "truth.toml:7: ..."; others as read_file().
+  /// Errors: kBadData, as in "truth.toml:7: ..."; others are those of read_file().
   static Result<MuseumTruth> read(const std::filesystem::path& path);
   static Result<MuseumTruth> parse(std::string_view text, std::string name, const std::filesystem::path& folder = {});
-  /// Returns text that parse() reads back unchanged. Precondition: the wall is no mesh and its cylinder's axis is the
+  /// Returns text that parse() reads back unchanged. Precondition: the wall is not a mesh, and a cylinder's axis is the
   /// axis of the room.
   [[nodiscard]] std::string text() const;
 };
 
-/// Path of the truth of an installation.
+/// Returns the path of the truth file that belongs to an installation file.
 [[nodiscard]] std::filesystem::path truth_path_beside(const std::filesystem::path& installation);
 
 }  // namespace cyclorama::simulated

@@ -24,7 +24,7 @@ class WallCells {
     std::array<double, 4> weights{};
   };
 
-  /// Divides the wall into about `about` nearly square cells.
+  /// Divides the wall into nearly square cells; their number is close to `about`.
   WallCells(const TrueWall& wall, int about);
 
   [[nodiscard]] std::size_t count() const { return count_; }

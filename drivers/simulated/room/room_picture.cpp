@@ -34,7 +34,8 @@ float linear_of(std::uint8_t code) {
   return table.linear[code];
 }
 
-/// Bilinear in linear light, since light of neighbouring projector pixels overlaps. (u, v) as in Pinhole.
+/// Interpolates bilinearly in linear light, since the light of neighbouring projector pixels overlaps. (u, v) is a
+/// pixel as in Pinhole.
 std::array<float, 3> light_at(const RgbImage& picture, float u, float v) {
   const float x = std::clamp(u - 0.5f, 0.0f, static_cast<float>(picture.width() - 1));
   const float y = std::clamp(v - 0.5f, 0.0f, static_cast<float>(picture.height() - 1));
@@ -79,7 +80,7 @@ RoomEye RoomEye::behind_visitor(const Installation& installation, int width_px, 
   const Eigen::Quaterniond looking_ahead(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
   RoomEye eye;
   eye.T_room_camera = {Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()) * looking_ahead, behind};
-  // Wide enough for both ends of the wall with a margin, as far as a flat picture can show them.
+  // The view includes both ends of the wall with a margin, as far as a flat picture can show them.
   const RigidTransform<frame::Camera, frame::Room> T_camera_room = eye.T_room_camera.inverse();
   const double aspect = static_cast<double>(width_px) / height_px;
   double half_view = 0.3;

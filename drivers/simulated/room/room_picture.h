@@ -28,8 +28,8 @@ struct RoomEye {
   Pinhole lens;
   RigidTransform<frame::Room, frame::Camera> T_room_camera;
 
-  /// Returns an eye some steps behind the sweet spot, which sees the wall, as far as a flat picture can, and some of
-  /// the floor.
+  /// Returns an eye some steps behind the sweet spot, which sees as much of the wall as a flat picture can show, and
+  /// some of the floor.
   static RoomEye behind_visitor(const Installation& installation, int width_px, int height_px);
 };
 

@@ -28,12 +28,13 @@ struct Settings {
   int width_px = 960;
 };
 
-/// Pictures of one projector: opened when its head appears, and reopened after a restart of the display.
+/// Pictures of one projector. They are opened when its head appears, and reopened after a restart of the display.
 class ProjectorLight {
  public:
   explicit ProjectorLight(std::filesystem::path path) : path_(std::move(path)) {}
 
-  /// Keeps the last picture while the display is away, as a projector that holds the last frame of a lost signal.
+  /// Reads the newest picture. While the display is away, the last picture stays, as on a projector that holds the last
+  /// frame of a lost signal.
   void refresh(RgbImage* picture) {
     if (!reader_) {
       auto opened = output::SharedPictureReader::open(path_);
@@ -46,7 +47,7 @@ class ProjectorLight {
     if (!info && info.error().code() == ErrorCode::kUnavailable) reader_.reset();
   }
   [[nodiscard]] bool is_lit() const { return is_lit_; }
-  /// Refresh number of the display that showed it.
+  /// Number of the refresh at which the display showed the picture.
   [[nodiscard]] std::int64_t refresh_number() const { return refresh_; }
 
  private:
@@ -56,8 +57,9 @@ class ProjectorLight {
   bool is_lit_ = false;
 };
 
-/// Newest picture of a head for each eye. A synchronised display counts refreshes together with others, and a room with
-/// several such displays may confuse the eyes.
+/// Newest picture of a head for each eye. The refresh number of a display decides between alternating eyes.
+/// Synchronised displays alternate by the synchronised refresh instead, so left and right may be exchanged in a room
+/// with several displays.
 class TwoEyes {
  public:
   explicit TwoEyes(StereoPacking packing) : packing_(packing) {}

@@ -12,7 +12,7 @@ namespace cyclorama::simulated {
 /// truth.
 class SimulatedTurntable final : public turntable::Turntable {
  public:
-  /// Borrows `museum` for its whole life.
+  /// `museum` must outlive the turntable.
   explicit SimulatedTurntable(SimulatedMuseum* museum,
                               turntable::TurnRange range = {-std::numbers::pi, std::numbers::pi})
       : turntable::Turntable(range), museum_(museum) {}

@@ -15,7 +15,8 @@ namespace cyclorama::turntable {
 class TurntableOperator {
  public:
   virtual ~TurntableOperator() = default;
-  /// Returns one line, without its end. Errors: kTimedOut if nobody answers; kUnavailable if the operator has left.
+  /// Returns the answer to the question: one line, without its end. Errors: kTimedOut if nobody answers; kUnavailable
+  /// if the operator has left.
   virtual Result<std::string> answer(const std::string& question, std::chrono::milliseconds timeout) = 0;
 };
 

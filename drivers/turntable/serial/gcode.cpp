@@ -17,7 +17,7 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-/// Finds "X:30.00" among words, up to "Count", after which motor steps follow.
+/// Finds "X:30.00" among the words before "Count"; the words after it are motor steps.
 std::optional<double> position_in(std::string_view line, char axis) {
   while (!line.empty()) {
     const std::size_t end = line.find_first_of(" \t");

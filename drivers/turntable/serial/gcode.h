@@ -46,7 +46,7 @@ class LineCutter {
   void add(std::string_view bytes) { bytes_ += bytes; }
   /// Returns the next complete line, without its end.
   std::optional<std::string> next();
-  /// True if the input has no line end: the device is no controller, or the baud rate is wrong.
+  /// True if the input has no line end: the device is not a controller, or the baud rate is wrong.
   [[nodiscard]] bool is_endless() const {
     return bytes_.size() > kMaxLineLength && bytes_.find('\n') == std::string::npos;
   }

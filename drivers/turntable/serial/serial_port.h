@@ -14,14 +14,14 @@ namespace cyclorama::turntable {
 /// A tty in raw mode: 8 bits, no parity, no flow control. Move-only; thread-bound.
 class SerialPort {
  public:
-  /// Errors: kNotFound if there is no such device; kBusy if another of our programs holds it; kInvalidArgument if it is
-  /// no serial line, or the rate is not one that Linux supports from 9600 to 921600.
+  /// Errors: kNotFound if there is no such device; kBusy if another program of ours has it open; kInvalidArgument if it
+  /// is not a serial line, or the rate is not one of those that Linux supports between 9600 and 921600.
   static Result<SerialPort> open(const std::filesystem::path& device, int baud);
 
   /// Errors: kUnavailable if unplugged; kTimedOut if the bytes are not accepted before the deadline.
   Status write_line(std::string_view line, TimePoint deadline);
   /// Returns a line without its end. Errors: kUnavailable if unplugged; kTimedOut if none came before the deadline;
-  /// kBadData if there is no line end: no controller, or a wrong baud rate.
+  /// kBadData if there is no line end: the device is not a controller, or the baud rate is wrong.
   Result<std::string> read_line(TimePoint deadline);
   /// Discards unread input.
   void forget_input();

@@ -38,8 +38,8 @@ Result<std::unique_ptr<Turntable>> SerialTurntable::open(const SerialTurntableOp
 }
 
 Status SerialTurntable::wake() {
-  // A controller that resets when its line is opened sends a greeting and may lose the first command, so it is sent
-  // twice.
+  // A controller that resets when its line is opened sends a greeting and may lose the first command, so the command is
+  // sent twice.
   const auto half = options_.answer_timeout / 2;
   if (say("G90", half)) return Done{};
   return say("G90", options_.answer_timeout);
@@ -103,7 +103,7 @@ Status SerialTurntable::move_home() {
   TRY(say("G90", options_.answer_timeout));
   TRY(say(gcode::home_command(options_.axis), options_.home_timeout));
   last_angle_rad_ = 0.0;
-  // Home may be a switch beside zero: G28 finds the switch, then the axis moves to 0.
+  // The home switch may be beside 0: G28 finds the switch, then the axis moves to 0.
   return move_to(0.0);
 }
 

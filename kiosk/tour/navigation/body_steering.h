@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Maps the pose of a visitor without a tag to a steering command: leaning turns, stepping sideways slides, coming
-/// nearer walks forward.
+/// Maps the pose of a visitor without a tag to a steering command: leaning turns the view, a step sideways moves
+/// sideways, and a step towards the wall moves forward.
 ///
 ///        ═══════════════ wall ═══════════════
 ///                       ▣ camera                 The pose is that of a "tag" worn on the body: its position is where
@@ -13,7 +13,7 @@
 
 namespace cyclorama::tour {
 
-/// The dead zones cover how much people sway and fidget while they look; they are wider than those of a hand.
+/// The dead zones cover how much people sway and fidget while they look; they are wider than the dead zones for a hand.
 struct BodySteeringSettings {
   /// Distance from the camera to the mark, where the forward speed is zero; must equal the tracker's setting.
   double mark_distance_m = 2.0;

@@ -8,7 +8,7 @@ namespace cyclorama::tour {
 namespace {
 
 // Near the edge the speed is proportional to the remaining distance: it falls by a factor e in a quarter of a second,
-// well slower than the ramp that has to follow it (WalkLimits: full acceleration within 0.12 s).
+// much more slowly than the ramp that has to follow it (WalkLimits: full acceleration within 0.12 s).
 constexpr double kPerSecond = 4.0;
 constexpr int kRounds = 3;  // In a corner, removing the component towards one wall adds one towards the other.
 

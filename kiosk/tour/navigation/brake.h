@@ -23,8 +23,8 @@ struct Motion {
 /// Returns `desired` (x, z; in the visitor's metres per second) without the components towards edges that could not be
 /// stopped in time; the rest slides along the edges. `braking` limits the deceleration, and the reaction time that the
 /// present acceleration costs is included. The motion comes to rest kSoftM before an edge. A visitor who glides to rest
-/// beside a wall while turning towards it comes about 5 cm nearer without a bump; one who is already nearer is led away
-/// gently. `scale` is in metres of the scene per metre of the visitor.
+/// beside a wall while turning towards it comes about 5 cm nearer without a bump; a visitor who is already nearer is
+/// moved away gently. `scale` is in metres of the scene per metre of the visitor.
 [[nodiscard]] Eigen::Vector2d braked(const WalkableArea& area, const Eigen::Vector2d& position,
                                      const Eigen::Vector2d& desired, const Motion& motion, const RampLimits& braking,
                                      double scale);

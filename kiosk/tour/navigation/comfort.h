@@ -24,7 +24,8 @@ namespace cyclorama::tour {
 
 /// Upper bounds of the default walk, in the visitor's metres (a scene's metres divided by its walking_scale).
 struct ComfortLimits {
-  /// Bound for each of forward and sideways. Below the walk of 1.4 m/s in [1], a third of where [2] begins.
+  /// Bound for each of forward and sideways. It is below the walking speed of 1.4 m/s in [1], and a third of the lowest
+  /// speed in [2].
   double speed_m_per_s = 1.0;
   double turn_rad_per_s = 0.7;                ///< 40 deg/s; [4].
   double acceleration_m_per_s2 = 2.2;         ///< Bound for each of forward and sideways; [3], [1].

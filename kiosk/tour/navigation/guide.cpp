@@ -107,8 +107,8 @@ SteeringCommand guide_command(GuideState* state, const Walker& walker, const Sit
 
 std::vector<Vector2d> shortest_path(const WalkableArea& area, const Vector2d& from, const Vector2d& to) {
   if (area.sees(from, to) || area.corners().size() > kMaxPathCorners) return {to};
-  // Dijkstra over the two ends and a position beside every corner. Corners that do not jut in are never on a shortest
-  // path, so they need not be removed.
+  // Dijkstra over the two ends and a position beside every corner. Corners that do not project into the area are never
+  // on a shortest path, so they need not be removed.
   std::vector<Vector2d> positions{from, to};
   for (const Vector2d& corner : area.corners()) positions.push_back(area.nearest_allowed(corner));
   std::vector<double> lengths(positions.size(), std::numeric_limits<double>::infinity());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The guide leads from stop to stop while nobody steers, so that an empty room still attracts visitors. It only issues
-/// steering commands, as a visitor does; the limits of walk.h keep its motion, and taking over from it, smooth.
+/// steering commands, as a visitor does; the limits of walk.h keep its motion smooth, also when a visitor takes over.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,7 +27,7 @@ struct Site {
   std::vector<GuideStop> stops;  ///< Their positions lie in the walkable area.
 };
 
-/// Progress of the guide's round. A value; a new one starts with the path to the nearest stop.
+/// Progress of the guide's round. A value; a new state starts with the path to the nearest stop.
 struct GuideState {
   bool started = false;
   std::size_t stop = 0;
@@ -44,8 +44,8 @@ struct GuideState {
 [[nodiscard]] SteeringCommand guide_command(GuideState* state, const Walker& walker, const Site& site,
                                             const WalkLimits& limits, TimePoint now);
 
-/// Returns the shortest path between two allowed positions, round the corners that jut in; it ends with `to`. In an
-/// area with very many corners, or without a path, it is just `to`.
+/// Returns the shortest path between two allowed positions, around the corners that project into the area; it ends with
+/// `to`. In an area with very many corners, or without a path, it is just `to`.
 [[nodiscard]] std::vector<Eigen::Vector2d> shortest_path(const WalkableArea& area, const Eigen::Vector2d& from,
                                                          const Eigen::Vector2d& to);
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Decides who steers, and moves the visitor accordingly: keys, else the visitor's tag, else the guide, else nobody.
+/// Decides who steers, and moves the visitor accordingly: the keys, otherwise the visitor's tag, otherwise the guide,
+/// otherwise nobody.
 ///
-/// Everything here is a function of (state, measurement, time), so that tests control the time. Time is the tour's own
-/// clock when a measurement ARRIVED: a tracker's shutter times may come from another machine.
+/// Everything here is a function of (state, measurement, time), so that tests control the time. The time of a
+/// measurement is that of its ARRIVAL on the tour's clock, since a tracker's shutter times may come from another
+/// machine.
 ///
 ///       keys pressed ───────────────► kKeys     wins while pressed; each request holds for kKeysHeld
 ///       tag seen within kTagHeld ───► kTag      wand_choice.h has chosen between several trackers before
@@ -14,7 +16,7 @@
 ///       no turn ── a tag steers ──► turn ── max_turn is over ──► pause (the guide leads) ──► no turn
 ///          ◄── no tag for kTurnOver ──┘           ended by turn_pause, or by a tag that is away for a second
 ///
-/// All four produce commands under the same limits, so that a change of control is never a jump.
+/// The commands of all sources are subject to the same limits, so that a change of control is never a jump.
 #pragma once
 
 #include <optional>
@@ -35,16 +37,16 @@ struct NavigationSettings {
   BodySteeringSettings body;  ///< Settings for visitors without a tag.
   /// Time constant of the low-pass filter on the tag's command; the tracker has filtered the pose before.
   Duration tag_smoothing = std::chrono::milliseconds(60);
-  /// Zero: no guide.
+  /// Time without steering after which the guide leads; zero: never.
   Duration guide_after = std::chrono::seconds(45);
-  /// Limit for one visitor where others wait; zero: no limit. The keys belong to the operator and have none.
+  /// Limit of one visitor's turn where others wait; zero: no limit. The keys are the operator's and are not limited.
   Duration max_turn = Duration::zero();
   /// Pause between two turns, so that visitors notice the end of a turn even when the wand changes hands in sight of
   /// the camera.
   Duration turn_pause = std::chrono::seconds(10);
 };
 
-/// Time for which a request holds, as museum.proto defines for Steer.
+/// Time for which a request of the keys holds, as museum.proto defines for Steer.
 inline constexpr Duration kKeysHeld = std::chrono::milliseconds(300);
 /// A tag counts as held for this long after it was last seen, so that missed pictures, or a tracker with only five
 /// pictures a second, are not felt. Together with kMaxGlide, the time from losing the tag to rest stays below one
@@ -58,7 +60,7 @@ inline constexpr Duration kPutDown = std::chrono::seconds(1);
 /// forgotten on its stand must not stop the guide for good.
 inline constexpr int kQuietTagTimeoutFactor = 8;
 
-/// A value.
+/// State of the visitor and of the steering sources. A value.
 struct Navigation {
   Walker walker;
   SteeringSource steering_source = SteeringSource::kNobody;
@@ -73,25 +75,25 @@ struct Navigation {
   GuideState guide;
 };
 
-/// Returns what is left of the visitor's turn; nothing without a limit or a turn. Negative during the pause.
+/// Returns the time left in the visitor's turn; nothing without a limit or a turn. Negative during the pause.
 [[nodiscard]] std::optional<Duration> turn_left(const Navigation& state, const NavigationSettings& settings,
                                                 TimePoint now);
 
 [[nodiscard]] Navigation started(const Site& site);
 
 /// Applies a tag that was seen. Ignores a time before the last one, and a pose that is not finite, not in front of the
-/// camera or beyond 50 m. Must not be called for a picture without a tag, which is no measurement.
+/// camera or beyond 50 m. Must not be called for a picture without a tag.
 [[nodiscard]] Navigation with_tag(Navigation state, const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag,
                                   TimePoint arrived_at, const NavigationSettings& settings);
 
-/// Applies the pose of a visitor who steers by the body; otherwise as with_tag().
+/// Applies the pose of a visitor who steers by the body; otherwise like with_tag().
 [[nodiscard]] Navigation with_body(Navigation state, const RigidTransform<frame::Camera, frame::Tag>& T_camera_body,
                                    TimePoint arrived_at, const NavigationSettings& settings);
 
-/// Applies a request from the keys; a request at rest releases them at once.
+/// Applies a request from the keys; a request to rest releases the keys at once.
 [[nodiscard]] Navigation with_keys(Navigation state, const SteeringCommand& command, TimePoint arrived_at);
 
-/// Advances to `now`; a time before the last one changes nothing. `site` is the one passed to started().
+/// Advances to `now`; a time before the last one changes nothing. `site` must be the site that was passed to started().
 [[nodiscard]] Navigation advanced(Navigation state, const Site& site, const NavigationSettings& settings,
                                   TimePoint now);
 

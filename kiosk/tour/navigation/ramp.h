@@ -22,7 +22,7 @@ struct Ramp {
   friend bool operator==(const Ramp&, const Ramp&) = default;
 };
 
-/// Returns the ramp after `seconds`, unchanged unless that is positive. Reaches `wanted` exactly.
+/// Returns the ramp after `seconds`; unchanged if `seconds` is not positive. Reaches `wanted` exactly.
 [[nodiscard]] Ramp ramped(const Ramp& ramp, double wanted, double seconds, const RampLimits& limits);
 
 /// Returns the maximum time from any state within +-speed to rest: an acceleration ends, then full speed ramps down.

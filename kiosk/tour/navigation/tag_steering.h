@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Maps the pose of the visitor's tag to a steering command, as in the paper's section "Interactive Method": the tag's
-/// rotation controls the angular velocity, its horizontal offset the speed.
+/// Maps the pose of the visitor's tag to a steering command: the tag's rotation controls the angular velocity, its
+/// horizontal offset the speed. Source: "Immersive Virtual Tour using Multi-projection with Remote Cluster Rendering",
+/// section "Interactive Method".
 ///
 /// The visitor faces the wall, the camera stands at the wall and faces the visitor, and the printed side of the tag
 /// faces the camera. Seen from above (the camera's y points down, into the page):
@@ -36,9 +37,9 @@ struct GainCurve {
   [[nodiscard]] double at(double offset) const;
 };
 
-/// The dead zones exceed the noise of the hand and of the detector. The yaw's is the widest: on a flat tag at 1 m a
-/// true 5 degrees can read as 2, at 2 m and 15 degrees the deviation is 10 degrees, while offsets stay within a
-/// millimetre.
+/// The dead zones exceed the noise of the hand and of the detector. The yaw has the widest: for a flat tag at 1 m, a
+/// true yaw of 5 degrees can be measured as 2, and at 2 m a yaw of 15 degrees can be off by 10, whereas offsets are
+/// accurate to a millimetre.
 struct TagSteeringSettings {
   double neutral_distance_m = 1.0;  ///< Distance from the camera along its axis at which the forward speed is zero.
   double neutral_right_m = 0.0;  ///< Offset to the visitor's right of the camera at which the sideways speed is zero.

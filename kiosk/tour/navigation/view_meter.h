@@ -9,8 +9,8 @@
 
 namespace cyclorama::tour {
 
-/// Maxima in the visitor's metres and own axes, of forward or sideways, whichever is larger: walking in a curve is no
-/// acceleration.
+/// Maxima in the visitor's metres and axes, of forward or sideways motion, whichever is larger. In these axes, walking
+/// in a curve is not an acceleration.
 struct ViewPeaks {
   double speed_m_per_s = 0.0;
   double acceleration_m_per_s2 = 0.0;
@@ -23,13 +23,13 @@ struct ViewPeaks {
 };
 
 /// Computes the first to third differences of positions over time. The second and third require views at even steps;
-/// where a step's length changes, those differences start anew. A value.
+/// where a step's length changes, these two start again. A value.
 class ViewMeter {
  public:
   explicit ViewMeter(double walking_scale) : scale_(walking_scale) {}
   /// Adds a view. A view at the same or an earlier time counts as a step of length zero and must not have moved.
   void add(const Eigen::Vector2d& position_m, double heading_rad, TimePoint at);
-  /// Starts a new measurement: the next view is elsewhere without a walk.
+  /// Starts a new measurement: the next view may be elsewhere, although nobody walked there.
   void restart(double walking_scale) {
     scale_ = walking_scale;
     last_.reset();

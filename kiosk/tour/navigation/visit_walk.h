@@ -51,11 +51,11 @@ struct VisitWalk {
   std::map<std::uint64_t, PoseOrder> trackers;
 };
 
-/// Returns the walk after `event`, which arrived at `at`. The same scene again keeps the position as far as the
-/// walkable area still allows it.
+/// Returns the walk after `event`, which arrived at `at`. If the same scene opens again, the position is kept as far as
+/// the walkable area still allows it.
 [[nodiscard]] VisitWalk after(VisitWalk walk, const WalkEvent& event, TimePoint at, const NavigationSettings& settings);
 
-/// Returns nothing for a pose that is not a rigid transform.
+/// Returns the pose, or nothing if it is not a rigid transform.
 [[nodiscard]] std::optional<RigidTransform<frame::Camera, frame::Tag>> tag_pose_of(const PoseSeen& seen);
 
 }  // namespace cyclorama::tour

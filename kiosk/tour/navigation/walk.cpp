@@ -15,15 +15,15 @@ double part_of(double value) { return std::isnan(value) ? 0.0 : std::clamp(value
 
 constexpr double kMinSpeed = 0.05;  // A visitor who may not walk at all is still led out of a corner.
 
-// Fraction of the walk's acceleration. The rest is for turning: beside a wall a visitor who turns has to change
-// velocity by up to turn rate times speed (0.7 m/s²) to go on along the wall.
+// Fraction of the walk's acceleration that braking uses. The rest is for turning: beside a wall, the velocity of a
+// visitor who turns has to change by up to turn rate times speed (0.7 m/s²) to continue along the wall.
 constexpr double kBraking = 0.5;
 
 /// Returns the commanded velocity, in the visitor's axes, without the components that the walls ahead forbid.
 Vector2d wanted_velocity(const Walker& walker, const SteeringCommand& command, const WalkLimits& limits, double scale,
                          const WalkableArea& area) {
   const Vector2d desired(command.right * limits.sideways_m_per_s, command.forward * limits.forward_m_per_s);
-  // A command to rest remains one, even between walls that are near to each other.
+  // A command to rest is not changed, even between walls that are near to each other.
   if (desired.isZero(0.0)) return desired;
   const Vector2d right = right_of(walker.heading_rad);
   const Vector2d forward = forward_of(walker.heading_rad);
@@ -34,7 +34,7 @@ Vector2d wanted_velocity(const Walker& walker, const SteeringCommand& command, c
   const Vector2d free = braked(area, walker.position_m, in_scene(desired), motion, braking, scale);
   const Vector2d wanted(free.dot(right), free.dot(forward));
   if (wanted == desired) return wanted;
-  // Along a wall the visitor may be led sideways faster than the sideways limit.
+  // Along a wall the visitor could be led sideways faster than the sideways limit; the velocity is then scaled down.
   const double excess = std::max(std::abs(wanted.x()) / std::max(limits.sideways_m_per_s, kMinSpeed),
                                  std::abs(wanted.y()) / std::max(limits.forward_m_per_s, kMinSpeed));
   return excess > 1.0 ? Vector2d(wanted / excess) : wanted;
@@ -95,7 +95,7 @@ Walker walked(const Walker& walker, const SteeringCommand& command, Duration ela
   const Vector2d step = metres * (mean.x() * right + mean.y() * forward);
   next.position_m = area->walk(walker.position_m, step);
   const Vector2d walked = next.position_m - walker.position_m;
-  // Only an edge changes a step by more than rounding; without one the velocity stays exactly as it is.
+  // Only an edge changes a step by more than rounding; without an edge the velocity stays exactly as it is.
   if ((walked - step).norm() > 1e-6 * step.norm() + 1e-13 * walker.position_m.norm()) {
     const Vector2d left(walked.dot(right) / metres, walked.dot(forward) / metres);
     const double speed = next.velocity_m_per_s.norm();

@@ -30,8 +30,8 @@ struct SteeringCommand {
   friend bool operator==(const SteeringCommand&, const SteeringCommand&) = default;
 };
 
-/// Maximum time from the command to rest until rest, so that a lost tag ends in rest within a second; settings are
-/// checked for it with max_stop_s().
+/// Maximum time from a command to stop until the visitor is at rest, so that a lost tag leads to rest within a second.
+/// Settings are checked against it with max_stop_s().
 inline constexpr Duration kMaxGlide = std::chrono::milliseconds(700);
 
 /// Limits of a visitor who walks in the museum; a scene's walking_scale multiplies lengths.
@@ -79,8 +79,9 @@ struct Walker {
 [[nodiscard]] Eigen::Vector2d right_of(double heading_rad);
 
 /// Returns the walker after `elapsed`, which is clamped to [0, kMaxStep]: after a stall the walk continues instead
-/// of leaping. Without an `area` the walker only turns. The walker slows down before an edge (brake.h); an edge that it
-/// still meets takes away the speed across it. Precondition: area == nullptr or area->allows(walker.position_m).
+/// of leaping. Without an `area` the walker only turns. The walker slows down before an edge (brake.h); an edge that
+/// the walker still meets removes the speed perpendicular to the edge. Precondition: area == nullptr or
+/// area->allows(walker.position_m).
 [[nodiscard]] Walker walked(const Walker& walker, const SteeringCommand& command, Duration elapsed,
                             const WalkLimits& limits, double walking_scale, const WalkableArea* area);
 inline constexpr Duration kMaxStep = std::chrono::milliseconds(100);

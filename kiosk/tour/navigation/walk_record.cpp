@@ -23,7 +23,7 @@ constexpr std::int64_t kMaxDurationNs = 8'640'000'000'000'000;
 
 std::int64_t nanoseconds(Duration d) { return std::chrono::duration_cast<std::chrono::nanoseconds>(d).count(); }
 
-/// Returns the name as one word, with other bytes escaped.
+/// Returns the name as one word in which all bytes but letters, digits, '-' and '.' are escaped.
 std::string word_of(std::string_view name) {
   std::string word;
   for (const char c : name.substr(0, kMaxNameBytes)) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// File format of a recorded walk: every event with its time, and after each tick the resulting view. Lines of words;
-/// numbers have the fewest digits that restore the same bits.
+/// File format of a recorded walk: every event with its time, and after each tick the resulting view. The file consists
+/// of lines of words; numbers have the fewest digits that restore the same bits.
 ///
 ///   cyclorama-walk 2
 ///   limits FORWARD SIDEWAYS TURN ACCELERATION JERK TURN_ACCELERATION TURN_JERK
@@ -52,9 +52,10 @@ struct WalkRecord {
   std::vector<WalkEntry> entries;
 };
 
-/// Return the lines of a record in order. Bytes of scene names that a file cannot hold are escaped. Pure.
+/// Returns the first lines of a record. Pure.
 [[nodiscard]] std::string record_head(const NavigationSettings& settings);
-/// `walk` is the state after the event.
+/// Returns the line of an event; `walk` is the state after it. Bytes of scene names that a file cannot contain are
+/// escaped. Pure.
 [[nodiscard]] std::string record_line(const WalkEvent& event, TimePoint at, const VisitWalk& walk);
 
 /// Errors: kBadData with "FILE:LINE: ...". A last line without its newline, as a killed process leaves it, is ignored.
@@ -65,7 +66,7 @@ struct WalkReplay {
   std::size_t poses = 0;
   Duration length{};
   ViewPeaks peaks;
-  /// First view that differs from the recorded one: its line, and both views. Nothing: all are equal to the bit.
+  /// Line number and both views where a view first differs from the recorded one; nothing if all are equal to the bit.
   std::optional<std::string> difference;
 };
 [[nodiscard]] WalkReplay replayed(const WalkRecord& record);

@@ -27,7 +27,7 @@ constexpr int kRingPositions = 48;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// Touching counts as crossing.
+/// True if the segments pq and ab cross or touch.
 bool segments_cross(const Vector2d& p, const Vector2d& q, const Vector2d& a, const Vector2d& b) {
   const Vector2d way = q - p;
   const Vector2d edge = b - a;
@@ -176,7 +176,7 @@ Vector2d WalkableArea::walk(const Vector2d& from, const Vector2d& step) const {
       moved = true;
       break;
     }
-    if (!moved) break;  // In a corner nothing of this direction can be walked.
+    if (!moved) break;  // In a corner, no part of the step can be walked.
   }
   return position;
 }

@@ -28,18 +28,18 @@ class WalkableArea {
   static constexpr std::size_t kMaxCorners = 1024;
 
   [[nodiscard]] bool allows(const Eigen::Vector2d& position) const;
-  /// Returns `position` itself when it is allowed, else an allowed position near the nearest edge; for NaN, any allowed
-  /// one.
+  /// Returns `position` itself if it is allowed, otherwise an allowed position near the nearest edge; for NaN, any
+  /// allowed position.
   [[nodiscard]] Eigen::Vector2d nearest_allowed(const Eigen::Vector2d& position) const;
-  /// Returns the end of a walk from `from` by `step`. An edge in the way turns the step along itself, also round a
-  /// corner that juts in; the path crosses no edge. A step that is not finite counts as zero. Precondition:
+  /// Returns the end of a walk from `from` by `step`. The step slides along an edge in its way, also around a corner
+  /// that projects into the area; the path crosses no edge. A step that is not finite counts as zero. Precondition:
   /// allows(from).
   [[nodiscard]] Eigen::Vector2d walk(const Eigen::Vector2d& from, const Eigen::Vector2d& step) const;
   /// Returns true when the straight line between two allowed positions crosses no edge.
   [[nodiscard]] bool sees(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
 
-  /// Calls `use(point, distance)` for each edge nearer than `within_m`, with its point nearest to `position`. Skips an
-  /// edge that `position` lies ON: there is no direction to it, and such a position is never allowed.
+  /// Calls `use(point, distance)` for each edge nearer than `within_m`, with the edge's point nearest to `position`.
+  /// Skips an edge that `position` lies ON: there is no direction to it, and such a position is never allowed.
   template <typename Use>
   void for_edges_within(const Eigen::Vector2d& position, double within_m, const Use& use) const {
     for (const Edge& edge : edges_) {
@@ -53,7 +53,7 @@ class WalkableArea {
   [[nodiscard]] const std::vector<Eigen::Vector2d>& corners() const { return corners_; }
   /// The outline, then the holes.
   [[nodiscard]] std::vector<std::vector<Eigen::Vector2d>> polygons() const;
-  /// Distance of the eye from the edges: 1 cm in a room of 20 m or more, 1/2000 of the size of smaller ones.
+  /// Distance of the eye from the edges: 1 cm in a room of 20 m or more, 1/2000 of the size of a smaller room.
   [[nodiscard]] double margin_m() const { return margin_m_; }
   /// Diagonal of the bounding box of all corners.
   [[nodiscard]] double size_m() const { return size_m_; }
@@ -80,7 +80,7 @@ class WalkableArea {
 
   std::vector<Eigen::Vector2d> corners_;
   std::vector<Edge> edges_;
-  /// Ends of the polygons in edges_: that of the outline first, then those of the holes.
+  /// End of each polygon in edges_: first the outline, then the holes.
   std::vector<std::size_t> polygon_ends_;
   double margin_m_ = 0.0;
   double size_m_ = 0.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Chooses the tracker that steers among several, and which of its pictures count. Pure values.
+/// Chooses, among several trackers, the one that steers, and decides which of its pictures count. Pure values.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 namespace cyclorama::tour {
 
 /// Chooses which of several trackers steers: the one that first saw a tag keeps control until it has not seen one for a
-/// second. A tracker chooses between several wands before its camera by the same rule. A wand takes precedence over a
-/// body: a visitor with a wand takes control from one without, and keeps it.
+/// second. A tracker chooses between several wands in front of its camera by the same rule. A wand takes precedence
+/// over a body: a visitor with a wand takes control from one without, and keeps it.
 class WandSelector {
  public:
   static constexpr Duration kKept = std::chrono::seconds(1);
@@ -36,11 +36,11 @@ class WandSelector {
   bool by_body_ = false;
 };
 
-/// Decides which pictures of one tracker are new. A picture may arrive twice or late. After a jump of the tracker's
-/// clock all its pictures look old, and are rejected only for a limited time:
+/// Decides which pictures of one tracker are new. A picture may arrive twice or late. After the
+/// tracker's clock jumps back, all its pictures look old; they are rejected only for a limited time:
 ///
 ///   the same picture again       rejected
-///   older than the newest        rejected until none was accepted for kReorderTimeout; then the order restarts with it
+///   older than the newest        rejected, unless none was accepted for kReorderTimeout: the order then restarts
 class PoseOrder {
  public:
   static constexpr Duration kReorderTimeout = std::chrono::milliseconds(200);

@@ -29,7 +29,7 @@ Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string na
                              member.name));
   }
   members_.push_back({link, std::move(name), wanted});
-  // The other displays show it already, or will within a few refreshes.
+  // The other displays show this heading already, or will within a few refreshes.
   link->send_heading(heading_, nullptr);
   return Done{};
 }
@@ -63,7 +63,7 @@ std::optional<Projection> DisplayHub::wanted() const {
   const std::lock_guard lock(mutex_);
   if (members_.empty()) return std::nullopt;
   Projection all = members_.front().wanted;
-  // Guaranteed by join().
+  // join() guarantees that the shapes have a common cover.
   for (const Member& member : members_) all.shape = *covering(all.shape, member.wanted.shape);
   return all;
 }

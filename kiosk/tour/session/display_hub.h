@@ -20,7 +20,7 @@ class DisplayLink {
   virtual ~DisplayLink() = default;
   /// `show_at` is null to show the heading at once.
   virtual void send_heading(const wire::Heading& heading, const wire::ShowAt* show_at) = 0;
-  /// Returns the number of the frame that this display loses because it is too slow.
+  /// Returns the number of the frame that this display loses because it is too slow, if it loses one.
   virtual std::optional<std::uint64_t> send(const SharedShowMessage& message) = 0;
   virtual void close(const Error& reason) = 0;
 
@@ -30,14 +30,14 @@ class DisplayLink {
   DisplayLink& operator=(const DisplayLink&) = default;
 };
 
-/// Sends one message object to all displays; only references are copied here. Thread-safe.
+/// The connected displays. All of them share one object for each message; only references are copied. Thread-safe.
 class DisplayHub {
  public:
   static constexpr std::size_t kMaxDisplays = 32;
 
-  /// Adds a display and sends it the newest heading at once, so that its stream starts with one. Errors: kBusy if
+  /// Adds a display and sends it the newest heading at once, so that its stream starts with a heading. Errors: kBusy if
   /// kMaxDisplays have joined; kUnavailable if close() was called; kInvalidArgument if its wall needs another kind of
-  /// picture than the displays that are here, or one for other eyes.
+  /// picture, or a picture for other eyes, than the displays that have joined.
   Status join(const std::shared_ptr<DisplayLink>& link, std::string name, const Projection& wanted);
   /// Idempotent.
   void leave(const DisplayLink* link);

@@ -12,7 +12,7 @@
 
 namespace cyclorama::tour {
 
-/// The displays that show the tour, and how well they are synchronised, as they report it. Thread-safe.
+/// The displays that show the tour, and how well they report to be synchronised. Thread-safe.
 class DisplayRoster {
  public:
   void joined(std::uint64_t display, const wire::DisplayHello& hello);
@@ -21,7 +21,8 @@ class DisplayRoster {
 
   /// Returns the minimum of the displays' shares; nothing while fewer than two have reported one.
   [[nodiscard]] std::optional<double> synchronised_share() const;
-  /// "displays": name, heads, refresh_hz, synchronised_percent, clock_skew_ms, clock_error_ms, frame_need_ms.
+  /// Returns the table "displays": name, heads, refresh_hz, synchronised_percent, clock_skew_ms, clock_error_ms,
+  /// frame_need_ms.
   [[nodiscard]] wire::Table table() const;
 
  private:

@@ -61,7 +61,8 @@ std::optional<std::uint64_t> Outbox::drop_unstarted_frame() {
 std::optional<std::uint64_t> Outbox::give_up_frame() {
   const std::optional<std::uint64_t> number = std::exchange(accepting_, std::nullopt);
   if (drop_unstarted_frame()) return number;
-  // Its begin was sent: removes what still waits, and ends the frame so that the display does not wait for the rest.
+  // The frame's begin was sent: the messages that still wait are removed, and the frame is ended, so that the display
+  // does not wait for the rest.
   while (!frames_.empty() && frames_.back()->has_tile() && frames_.back()->tile().view_number() == number) pop_back();
   auto message = std::make_shared<wire::ShowMessage>();
   message->mutable_end()->set_view_number(*number);

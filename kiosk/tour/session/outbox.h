@@ -17,8 +17,8 @@ using SharedShowMessage = std::shared_ptr<const wire::ShowMessage>;
 /// A slow display loses whole frames, and nothing waits for it. Frames are offered in the farm's order: begin, tiles,
 /// end.
 ///
-/// 1. A frame is sent as its begin, all its tiles and its end, or as a beginning of these and an end with `complete`
-///    false.
+/// 1. A frame is sent as its begin, all its tiles and its end, or as the first of these messages and an end with
+///    `complete` false.
 /// 2. At most the rest of one frame that is being sent, and the newest frame, wait.
 /// 3. A heading overtakes tiles and replaces an unsent older heading. The first message of a stream is a heading.
 /// 4. A display that joins in the middle of a frame starts with the next one.
@@ -31,9 +31,9 @@ class Outbox {
 
   /// `show_at` is null to show the heading at once.
   void put_heading(const wire::Heading& heading, const wire::ShowAt* show_at = nullptr);
-  /// Queues an answer ahead of everything else; it replaces one that still waits.
+  /// Queues an answer ahead of everything else; it replaces an answer that still waits.
   void put_answer(const wire::ClockReply& answer) { answer_ = answer; }
-  /// Queues a begin, tile or end. Returns the number of the frame that this display loses by it, if it loses one.
+  /// Queues a begin, tile or end. Returns the number of the frame that this display loses as a result, if it loses one.
   std::optional<std::uint64_t> put(const SharedShowMessage& message);
   /// Returns the waiting answer; the caller must send it at once, so that its times are right.
   std::optional<wire::ClockReply> take_answer() { return std::exchange(answer_, std::nullopt); }

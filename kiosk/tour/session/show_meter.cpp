@@ -8,7 +8,7 @@
 namespace cyclorama::tour {
 namespace {
 
-// A display is late when it takes longer than this multiple of its usual time, and a refresh.
+// A display is late when it takes longer than this multiple of its usual time plus a refresh.
 constexpr int kLateFactor = 2;
 
 Duration duration_of(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
@@ -37,7 +37,7 @@ void ShowMeter::ended(std::uint64_t number, TimePoint now) {
 bool ShowMeter::presented(std::uint64_t display, std::uint64_t number, Duration drawing, TimePoint now) {
   const auto screen = screens_.find(display);
   const auto frame = frames_.find(number);
-  // A refined picture comes under its view's number.
+  // A refined picture has its view's number and is not counted again.
   if (screen == screens_.end() || frame == frames_.end() || number <= screen->second.reported) return false;
   Screen& shown = screen->second;
   shown.reported = number;

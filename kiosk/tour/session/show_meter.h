@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How long frames take from their request to a display's light, and how often one is shown.
+/// Measures how long frames take from their request to a display's light, and how often one is shown.
 #pragma once
 
 #include <cstdint>
@@ -21,21 +21,21 @@ namespace cyclorama::tour {
 ///                                   └──────── the display's own part ─────────────┘
 class ShowMeter {
  public:
-  /// Bound of a measured latency; a longer one counts as this.
+  /// Upper bound of a measured latency; longer ones are clamped.
   static constexpr Duration kMaxLatency = std::chrono::seconds(2);
-  /// A longer gap between two frames is a rest, and no interval.
+  /// A longer gap between two frames is a rest and is not counted as an interval.
   static constexpr Duration kMaxInterval = std::chrono::seconds(1);
-  /// Frames that a display must have shown before anything is concluded from it.
+  /// Frames that a display must have shown before its times are used.
   static constexpr std::uint64_t kMinFrames = 3;
 
   void joined(std::uint64_t display, Duration refresh_period);
   void left(std::uint64_t display);
 
-  /// Records that the view was requested; numbers grow.
+  /// Records that the view was requested; numbers increase.
   void asked(std::uint64_t number, TimePoint now);
-  /// Records that the farm delivered the view's first frame, complete.
+  /// Records that the farm delivered the first complete frame of the view.
   void ended(std::uint64_t number, TimePoint now);
-  /// Forgets the frames that are on their way, when the farm is away.
+  /// Forgets the frames in flight, when the farm is away.
   void lost() { frames_.clear(); }
   /// Records a display's report. `drawing` is the time from the start of drawing, when the display takes the newest
   /// heading, to the light. Returns true for the first report of a requested view's frame by any display.
@@ -48,15 +48,15 @@ class ShowMeter {
   [[nodiscard]] std::optional<Duration> latency() const;
   /// The slowest display's time between two frames; nothing before enough frames were shown.
   [[nodiscard]] std::optional<Duration> interval() const;
-  /// Returns how far ahead of the newest pose a frame that is requested now should be, so that it is right in the
+  /// Returns how far ahead of the newest pose a frame that is requested now should be, so that it is correct in the
   /// middle of its time on the wall: the latency plus half an interval, less the time from a pose to the light, which
   /// is the drawing time, or `heading_lead` where displays are synchronised. Zero before enough frames were shown.
   [[nodiscard]] Duration ahead(Duration heading_lead) const;
 
   /// The slowest display's refresh period; zero without displays.
   [[nodiscard]] Duration refresh_period() const;
-  /// Returns true while every display that shows frames has owed a report for longer than usual: another frame would
-  /// only wait there. A display that owes one for kMaxInterval is no longer waited for.
+  /// True while the reports of all displays are overdue, so that another frame would only wait at the displays. A
+  /// display whose report is missing for longer than kMaxInterval does not count as overdue.
   [[nodiscard]] bool are_displays_late(TimePoint now) const;
 
  private:

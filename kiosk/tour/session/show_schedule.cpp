@@ -85,8 +85,8 @@ std::optional<wire::ShowAt> ShowSchedule::frame_at(TimePoint now) {
   const std::lock_guard lock(mutex_);
   if (!is_shared()) return std::nullopt;
   const std::int64_t first = first_refresh(now, frame_need_.at(now));
-  // The refresh after that of the last frame, even if it is one later than needed; never before that of the last frame
-  // when displays have become faster.
+  // Chooses the refresh after that of the last frame, even if it is one later than needed, and never an earlier one
+  // than that of the last frame when displays have become faster.
   last_frame_ = std::max(first, std::max(last_frame_, std::min(last_frame_ + 1, first + 1)));
   return show_at(last_frame_, now);
 }

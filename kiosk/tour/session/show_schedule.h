@@ -18,7 +18,7 @@ class RecentMaximum {
  public:
   explicit RecentMaximum(Duration at_first) : at_first_(at_first) {}
   void add(Duration value, TimePoint now);
-  /// Returns the initial value until one is added.
+  /// Returns the maximum; the initial value until a value is added.
   [[nodiscard]] Duration at(TimePoint now) const;
 
  private:
@@ -31,18 +31,19 @@ class RecentMaximum {
   std::array<Second, kSeconds> seconds_{};
 };
 
-/// Returns the time between two refreshes of a display; of one that states no possible rate, a millisecond.
+/// Returns the time between two refreshes of a display; a millisecond if the display states an impossible rate.
 [[nodiscard]] Duration refresh_period_of(const wire::DisplayHello& hello);
 
 /// Chooses the synchronised refresh (wire::ShowAt) at which several displays first show a frame or a heading: the next
-/// one that the slowest of them can make, judged by what all of them needed in the last minute.
+/// one that the slowest of them can make, judged by the time that each display needed in the last minute.
 ///
 ///   sent ──▶ network ──▶ decode ──▶ drawn for ──▶ synchronised refresh
 ///    └──────────── frame_need_s ─────────────────────┘
 ///
 /// 1. A single display gets no schedule: it shows everything at once.
 /// 2. A display that needs more than kMaxLead is not waited for. It shows frames when it can.
-/// 3. Synchronised refreshes come at the rate of the slowest display, so that every display has one for each.
+/// 3. Synchronised refreshes come at the rate of the slowest display, so that every display has a refresh for each of
+/// them.
 /// 4. Each frame has a refresh of its own as long as frames come no faster than refreshes.
 ///
 /// Thread-safe.

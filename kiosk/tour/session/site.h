@@ -12,12 +12,12 @@
 
 namespace cyclorama::tour {
 
-/// Returns the site to walk in. Moves the start and the stops into the walkable area where they lie outside. Without a
+/// Returns the site to walk in. Moves the start and the stops into the walkable area if they lie outside. Without a
 /// usable area the visitor stays at the start, and `ret_warning` gets one sentence about it for the operator.
 /// Precondition: validate(scene) in common/wire/convert.h.
 [[nodiscard]] Site site_of(const wire::SceneDescription& scene, std::string* ret_warning);
 
-/// Returns the pose unchecked.
+/// Converts the pose without checking it.
 [[nodiscard]] PoseSeen pose_seen(std::uint64_t tracker, const wire::TrackedPose& pose);
 
 }  // namespace cyclorama::tour

@@ -20,7 +20,7 @@ namespace {
 
 constexpr Duration kRestingTick = std::chrono::milliseconds(100);
 
-/// Returns the duration of a stage that a display reports; zero if it does not, or an impossible one.
+/// Returns the duration of a stage that a display reports; zero if it reports none, or an impossible one.
 Duration stage_of(const wire::FramePresented& presented, std::string_view name) {
   const auto stage = std::ranges::find(presented.stages(), name, &wire::StageTime::name);
   if (stage == presented.stages().end()) return Duration::zero();
@@ -294,7 +294,7 @@ void Tour::on_lost(const Error& reason) {
 void Tour::broadcast(wire::ShowMessage message) {
   const std::size_t lost = hub_.send(std::make_shared<const wire::ShowMessage>(std::move(message)));
   log_.add_dropped("a display was too slow to take it", lost);
-  // One that is slow loses frames and delays no other; frames that all of them lose are too many.
+  // A slow display loses frames without delaying the others; if all displays lose a frame, frames come too fast.
   if (lost == 0 || lost < hub_.count()) return;
   const std::lock_guard lock(mutex_);
   pacer_.not_shown(Duration::zero());

@@ -77,8 +77,8 @@ class Tour final : public TourEvents, private client::FarmListener {
     wire::SceneDescription scene;
     std::string warning;
     bool can_walk = false;
-    std::uint64_t first_view = 0;  ///< Number from which on views are of this scene.
-    bool is_shown = false;         ///< A display has shown such a view.
+    std::uint64_t first_view = 0;  ///< Number of the first view of this scene.
+    bool is_shown = false;         ///< A display has shown a view of this scene.
     std::int64_t shutter_ns = 0;
     std::optional<TimePoint> pose_received_at;  ///< Reset when a view follows the pose.
   };
@@ -96,9 +96,9 @@ class Tour final : public TourEvents, private client::FarmListener {
   void change(const WalkEvent& event, TimePoint at);
   void send_heading(TimePoint now);
   void request_frame(TimePoint now);
-  /// Returns when thread `walk` has something to do, if nothing wakes it. Requires the lock.
+  /// Returns the time of the next work of thread `walk`, unless it is woken before. Requires the lock.
   [[nodiscard]] TimePoint next_round(TimePoint now);
-  /// Returns the eye of a visitor who stands there. Requires a visit.
+  /// Returns the position of the visitor's eye in the Scene frame. Requires a visit.
   [[nodiscard]] Eigen::Vector3d eye_of(const Walker& walker) const;
   [[nodiscard]] std::optional<wire::View> next_view(const Walker& walker) const;
   void show_state(TimePoint now);
@@ -123,11 +123,11 @@ class Tour final : public TourEvents, private client::FarmListener {
   std::optional<std::string> farm_away_;
   std::set<std::uint64_t> trackers_;
   VisitWalk walk_;
-  std::string record_;  ///< Not yet taken.
+  std::string record_;  ///< Lines that were not yet taken.
   ViewPacer pacer_;
   ShowMeter meter_;
   std::uint64_t newest_number_ = 0;
-  double predicted_m_ = 0.0;                                     ///< From the visitor to the eye of the newest view.
+  double predicted_m_ = 0.0;                                     ///< Distance of the newest view's eye.
   std::optional<std::pair<Eigen::Vector3d, double>> pose_sent_;  ///< Eye and heading.
   TimePoint next_tick_{};
   TimePoint shown_at_{};

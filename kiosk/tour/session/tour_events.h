@@ -21,7 +21,7 @@ class TourEvents {
   /// `display` identifies the stream; a display that connects again is a new one.
   virtual void on_display_joined(std::uint64_t display, const wire::DisplayHello& hello) = 0;
   virtual void on_display_left(std::uint64_t display) = 0;
-  /// Handles the rest of a clock question; the time itself has been answered.
+  /// Handles the measurements in a clock request, whose time has already been answered.
   virtual void on_clock_question(std::uint64_t display, const wire::ClockRequest& question) = 0;
   virtual void on_presented(std::uint64_t display, const wire::FramePresented& presented) = 0;
   virtual void on_dropped(std::uint64_t display, const wire::FrameDropped& dropped) = 0;

@@ -28,7 +28,8 @@ SharedShowMessage stamped(const wire::ClockReply& answer) {
 ///   created ──hello──► member of the hub ──(cancelled, half-closed, wrong message, closed)──► finished
 ///   finished ──OnDone──► gone
 ///
-/// Lock order: the hub's lock before this one; therefore nothing here calls the hub while it holds its own.
+/// Lock order: the hub's lock before the call's; therefore no function here calls the hub while it holds the call's
+/// lock.
 class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire::ShowMessage>, public DisplayLink {
  public:
   static ShowCall* start(std::uint64_t number, DisplayHub* displays, TourEvents* events) {
@@ -120,7 +121,7 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
     events_.on_display_joined(number_, hello);
     return grpc::Status::OK;
   }
-  /// Requires the lock.
+  /// Writes the next message, if no write is in progress. Requires the lock.
   void write_next() {
     if (finished_ || writing_ != nullptr) return;
     const auto times = outbox_->take_answer();

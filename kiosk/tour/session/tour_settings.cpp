@@ -46,7 +46,7 @@ void refuse_long_glide(ConfigTable& walk, const std::string& key, double speed, 
                                seconds, kMaxGlideS));
 }
 
-/// Metres per second: beyond, a farm takes the walk for no visitor's (renderfarm/trust/view_guard.h).
+/// Speeds in metres per second. A farm rejects faster walks as not those of a visitor (renderfarm/trust/view_guard.h).
 constexpr Range kSpeed{0.0, 2.0};
 
 void read_walk(ConfigTable walk, NavigationSettings* ret_settings) {
@@ -96,7 +96,7 @@ std::optional<TlsFiles> read_tls(ConfigTable& farm, const std::filesystem::path&
 Result<TourSettings> read_from(Config config, const std::filesystem::path& folder) {
   TourSettings settings;
   ConfigTable root = config.root();
-  // Read by other programs.
+  // Tables that other programs read.
   for (const char* const others : {"display", "hours", "update"}) static_cast<void>(root.has(others));
   ConfigTable farm = root.table("farm");
   farm.refuse_renamed("heads", "coordinators");

@@ -43,14 +43,15 @@
 namespace cyclorama::tour {
 
 struct PictureSettings {
-  /// 0: the next three fields set the quality. Walking moves the picture at every refresh, whatever the frame rate, so
-  /// that fewer but better frames look better: docs/design/walking.md compares them.
+  /// Time for each frame, from which the farm chooses the quality. 0: `samples`, `jpeg_quality` and `subsample_chroma`
+  /// set the quality. Walking moves the picture at every refresh, whatever the frame rate, so fewer but better frames
+  /// look better: docs/design/walking.md compares them.
   double frame_budget_ms = 150.0;
   int reference_samples = 1024;
   int samples = 1;
   int jpeg_quality = 85;
   bool subsample_chroma = true;
-  /// Width rendered beyond each side of the wall, for turns that no frame shows yet. 0: no guard band at all; otherwise
+  /// Angle rendered beyond each side of the wall, for turns that no frame shows yet. 0: no guard band at all; otherwise
   /// walk_guard_rad() is added where a visitor can walk.
   double guard_rad = 0.0;
 };
@@ -62,9 +63,8 @@ struct TourSettings {
   std::optional<TlsFiles> tls{};  ///< Credentials for the connection to the farm.
   PictureSettings picture;
   NavigationSettings navigation;
-  bool record = false;  ///< Not from the file: record the walk, for Tour::take_recording().
-  std::optional<SavedPosition>
-      resume{};  ///< Not from the file: the visitor's position when the tour ended unexpectedly.
+  bool record = false;                    ///< Records the walk for Tour::take_recording(); not in the file.
+  std::optional<SavedPosition> resume{};  ///< The visitor's position when the tour ended unexpectedly; not in the file.
 };
 
 /// Returns the guard band that a turn at full speed uses up within 0.2 s: the latency of one frame and the wait for the
@@ -80,7 +80,8 @@ struct TourSettings {
 
 /// Returns the settings without a file.
 [[nodiscard]] TourSettings default_tour_settings();
-/// Errors: as Config::read(); also limits under which a lost tag would take longer than a second to come to rest.
+/// Errors: those of Config::read(); also limits under which the visitor would need more than a second to come to rest
+/// after a lost tag.
 Result<TourSettings> read_tour_settings(const std::filesystem::path& path);
 /// `name` stands for the file in errors.
 Result<TourSettings> parse_tour_settings(std::string_view text, std::string name);

@@ -15,10 +15,10 @@ namespace cyclorama::tour {
 /// A view is requested when its frame can be shown:
 ///
 /// 1. At most two frames are in flight: one is rendered while the other crosses the network.
-/// 2. Views are at least an interval apart: the displays' refresh period, and longer while frames reach the displays
-///    that a newer one replaces before it was seen. Two frames that end within one refresh are one too many, whatever
-///    the farm can do. The interval is a staircase: longer by kSlower for each frame that was not shown, shorter by
-///    kFaster for each that was, so that it settles where one frame in a hundred is not shown.
+/// 2. Views are at least one interval apart. The interval is the displays' refresh period, and longer while newer frames
+///    replace frames at the displays before those were seen: of two frames that end within one refresh, only one is
+///    shown. The interval follows a staircase: it grows by kSlower for each frame that was not shown and shrinks by
+///    kFaster for each frame that was, so that it settles where one frame in a hundred is not shown.
 ///    (Kaernbach, "Simple adaptive testing with the weighted up-down method", Perception & Psychophysics 49(3), 1991.)
 /// 3. At rest, nothing is requested from a farm that refines, since every view would restart the refinement; any other
 ///    farm gets one view a second, which keeps the picture fresh for displays that join.
@@ -34,13 +34,13 @@ class ViewPacer {
 
   explicit ViewPacer(bool farm_refines) : farm_refines_(farm_refines) {}
 
-  /// Sets the displays' refresh period; zero: none, so only the farm limits the rate. With another period the interval
-  /// is found anew.
+  /// Sets the displays' refresh period; zero: none, so only the farm limits the rate. A different period restarts the
+  /// search for the interval.
   void set_refresh_period(Duration period);
   /// Returns true when a view that shows something new may be requested now.
   [[nodiscard]] bool is_due(TimePoint now) const;
-  /// Returns when the interval after the last request ends; nothing while the frames in flight forbid another, or
-  /// before the first.
+  /// Returns the time at which the interval after the last request ends; nothing before the first request, or while too
+  /// many frames are in flight.
   [[nodiscard]] std::optional<TimePoint> due_at() const;
   /// Returns true when `view`, regardless of its number, should be requested now.
   [[nodiscard]] bool wants(const wire::View& view, TimePoint now) const;
@@ -50,8 +50,8 @@ class ViewPacer {
   std::size_t began(std::uint64_t number);
   /// Records that the farm ended this frame, complete or not.
   void ended(std::uint64_t number);
-  /// Record that a complete frame was shown, or that it reached the displays and was not shown; `next_after` is the
-  /// time from its request to the next one, which was too short if it exceeds the interval.
+  /// Record that a complete frame was shown, or that it reached the displays but was not shown. `next_after` is the
+  /// time from its request to the next one; that time was too short, so the interval becomes longer.
   void shown();
   void not_shown(Duration next_after);
   /// Requests the current picture once more, also at rest, for a display that joined or a farm that came back.
@@ -66,7 +66,7 @@ class ViewPacer {
 
  private:
   const bool farm_refines_;
-  FrameWindow<std::monostate> frames_;  ///< Numbers alone: FarmClient keeps the views.
+  FrameWindow<std::monostate> frames_;  ///< Numbers of the frames; FarmClient keeps their views.
   std::optional<wire::View> newest_;
   std::optional<TimePoint> asked_at_;
   Duration period_ = Duration::zero();

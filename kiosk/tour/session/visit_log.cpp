@@ -22,7 +22,7 @@ constexpr auto kRateWindow = std::chrono::seconds(5);
 /// clocks is wrong.
 constexpr double kMaxStageS = 60.0;
 
-/// Returns the printable name while there is room for it, else one name that all others share.
+/// Returns the printable name while there is room for it, otherwise a name that all further names share.
 std::string bounded(const std::string& name, std::size_t max, std::set<std::string>* names) {
   std::string shown = printable(name, kMaxNameLength);
   if (shown.empty()) shown = "unnamed";
@@ -152,7 +152,7 @@ double VisitLog::rate(TimePoint now) {
   return static_cast<double>(presented_at_.size() - 1) / std::max(to_seconds(span), 1e-3);
 }
 
-/// The frames after the newest that was shown may still come.
+/// Ignores the frames after the newest one that was shown, since they may still be shown.
 double VisitLog::wasted_share() const {
   const auto end = sent_.upper_bound(newest_presented_);
   const auto all = std::distance(sent_.begin(), end);

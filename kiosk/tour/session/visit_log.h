@@ -23,8 +23,8 @@ namespace cyclorama::tour {
 /// stages   capture, detect, pose (tracker) · steer · farm_round_trip · plan, render, encode, farm (FrameEnd) ·
 ///          decode, wait, draw (display) · shutter_to_photon
 /// gauges   frames, frames_per_second, refined_frames, samples_per_pixel, bytes_per_frame, balance_efficiency,
-///          picture_scale (width of a moving frame over the requested one), wasted_frames_share (of the last kMaxSent views: requested, and passed over by every display),
-///          "dropped: REASON"
+///          picture_scale (width of a moving frame divided by the requested width), wasted_frames_share (share of the
+///          last kMaxSent views that no display showed), "dropped: REASON"
 ///
 /// Names and reasons come from the wire: unprintable ones are escaped, and beyond a fixed number they share one entry,
 /// so that no peer fills memory. Thread-safe.
@@ -35,7 +35,8 @@ class VisitLog {
   explicit VisitLog(InspectionService* inspection);
 
   void add_pose(const wire::TrackedPose& pose);
-  /// `pose_received_at` is the arrival of the pose that the view follows, for the first view that follows it.
+  /// `pose_received_at` is the arrival time of the pose that the view follows, given only for the first view that
+  /// follows that pose.
   void add_view(const wire::View& view, TimePoint now, std::optional<TimePoint> pose_received_at);
   /// Records the picture that the farm begins to send: its size may be smaller than requested.
   void add_begin(const wire::View& view);
@@ -44,14 +45,14 @@ class VisitLog {
   /// Counts a frame once, however many displays show it.
   void add_presented(const wire::FramePresented& presented, TimePoint now);
   void add_dropped(const std::string& reason, std::uint64_t frames = 1);
-  /// Records that a display did not show this view's frame. A frame counts once, over all displays, and not again when
-  /// the farm gave it up before.
+  /// Records that a display did not show this view's frame. A frame counts once, over all displays, and is not counted
+  /// again if the farm gave it up before.
   void add_not_shown(const wire::FrameDropped& dropped);
-  /// Updates the gauges that fade with time.
+  /// Updates the gauges that depend on the present time.
   void refresh(TimePoint now);
 
   [[nodiscard]] double frames_per_second(TimePoint now);
-  /// Returns a sentence about what the farm refines; nothing while it shows a view for the first time.
+  /// Returns a sentence about what the farm refines; nothing while the newest view is rendered for the first time.
   [[nodiscard]] std::optional<std::string> refinement() const;
   /// Returns when the farm last completed a frame.
   [[nodiscard]] std::optional<TimePoint> frame_completed_at() const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A node's interface to the computation of a scene's light: production starts a process (light_process.h), tests
+/// A node's interface to the computation of a scene's light. Production code starts a process (light_process.h); tests
 /// script the outcome.
 #pragma once
 
@@ -12,18 +12,18 @@
 
 namespace cyclorama::node {
 
-/// One computation, which ends by itself. pause() and resume() are thread-safe; the rest is thread-bound. The destructor
-/// ends an unfinished one.
+/// One computation, which ends by itself. pause() and resume() are thread-safe; all else is thread-bound. The
+/// destructor aborts an unfinished computation.
 class LightComputation {
  public:
   virtual ~LightComputation() = default;
-  /// Returns at once; from then on it takes no processor time.
+  /// Returns at once. The computation takes no processor time until resume().
   virtual void pause() = 0;
   virtual void resume() = 0;
   /// Returns the completed share, in [0, 1].
   [[nodiscard]] virtual double done_share() = 0;
-  /// Returns nothing while the computation runs; then success, when the file is complete, or the reason of the failure
-  /// in one sentence.
+  /// Returns nothing while the computation runs. Returns success once the file is complete; on failure, an error of one
+  /// sentence.
   [[nodiscard]] virtual std::optional<Status> result() = 0;
 
  protected:

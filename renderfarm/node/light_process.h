@@ -13,11 +13,12 @@
 
 namespace cyclorama::node {
 
-/// A program that computes light and reports on its standard output, line by line: "progress SHARE" or "error SENTENCE".
-/// It succeeded if it exits with 0. It is paused by SIGSTOP, so it needs no cooperation and stops within microseconds.
+/// A child process that computes light and reports on its standard output, line by line: "progress SHARE" or "error
+/// SENTENCE". It succeeded if it exits with 0. SIGSTOP pauses it, so it needs no cooperation and stops within
+/// microseconds.
 class LightProcess final : public LightComputation {
  public:
-  /// Starts `command`: the program's path and its arguments. Errors: kNotFound or kSystem.
+  /// Starts `command`, the program's path followed by its arguments. Errors: kNotFound or kSystem.
   static Result<std::unique_ptr<LightComputation>> start(const std::vector<std::string>& command);
   ~LightProcess() override;
 
@@ -32,9 +33,9 @@ class LightProcess final : public LightComputation {
   void read_line(const std::string& line);
   void send_signal(int number) const;
 
-  std::atomic<pid_t> process_;  ///< 0 once it has ended.
+  std::atomic<pid_t> process_;  ///< 0 once the process has ended.
   UniqueFd output_;
-  std::string unread_;  ///< Begin of a line.
+  std::string unread_;  ///< Beginning of an incomplete line.
   std::string error_;
   double done_share_ = 0.0;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cyclorama-node as its own child: computes the light of one scene and ends (light_process.h).
+/// The mode in which cyclorama-node runs as its own child: it computes the light of one scene and exits
+/// (light_process.h).
 #pragma once
 
 #include <filesystem>
@@ -11,15 +12,17 @@
 namespace cyclorama::node {
 
 /// Loads the scene and writes its light to `file`, completely or not at all. `progress` receives shares in [0, 1].
-/// Errors: of the scene, of bake_light(), or kSystem if the file cannot be written, with a remedy if the disk is full.
+/// Errors: those of the scene and of bake_light(); kSystem if the file cannot be written, with a remedy if the disk is
+/// full.
 Status compute_light(const std::filesystem::path& scene, const std::filesystem::path& file, int threads,
                      const std::function<void(double)>& progress);
 
-/// The same as a program: lowers its priority to the system's lowest, ends when its parent ends, and reports on
-/// standard output.
+/// Runs compute_light() as a program: lowers its priority to the system's lowest, ends when its parent ends, and
+/// reports on standard output.
 Status run_light_program(const std::filesystem::path& scene, const std::filesystem::path& file, int threads);
 
-/// Starts this program anew with the options that node_main.cpp passes to run_light_program().
+/// Returns a function that starts this executable again with the options that node_main.cpp passes to
+/// run_light_program().
 [[nodiscard]] LightStarter light_process_starter(int threads);
 
 inline constexpr const char* kLightOfOption = "--compute-light-of";

@@ -9,7 +9,7 @@ namespace {
 
 /// Interval at which a computation is checked.
 constexpr Duration kPeriod = std::chrono::milliseconds(100);
-/// Share below which the remaining time is unknown.
+/// Completed share below which the remaining time is not estimated.
 constexpr double kMinShare = 0.02;
 
 }  // namespace
@@ -127,7 +127,7 @@ void LightWorker::begin(const Wanted& wanted) {
     paused_ = false;
     done_share_ = 0.0;
     worked_seconds_ = 0.0;
-    if (started != nullptr && !is_quiet()) {  // A block came meanwhile.
+    if (started != nullptr && !is_quiet()) {  // A block has arrived meanwhile.
       started->pause();
       paused_ = true;
     }

@@ -22,38 +22,40 @@ namespace cyclorama::node {
 ///                             │  give_way() ▲ no block for kQuiet
 ///                             └─────────────┘
 ///
-/// The coordinator decides whether a scene whose light could not be computed is tried again.
+/// If a computation fails, the coordinator decides whether to try again.
 class LightWorker {
  public:
   struct Calls {
-    std::function<bool()> has_blocks;  ///< Returns true while blocks wait or are rendered; called from any thread.
-    /// Returns false if the scene at `path` was unloaded or replaced: its light is not computed to the end.
+    std::function<bool()> has_blocks;  ///< Returns true while the node has blocks; called from any thread.
+    /// Returns false if the scene at `path` was unloaded or replaced; the computation of its light is then aborted.
     std::function<bool(const std::string& path)> is_wanted;
-    /// The light of the scene at `path` is in `file`, or it failed. Called by the thread of work().
+    /// Called when the light of the scene at `path` is complete in `file` or has failed, by the thread that calls
+    /// work().
     std::function<void(const std::string& path, const std::filesystem::path& file, const Status& status)> finished;
   };
   /// Idle time before a paused computation resumes, so that it does not start and stop between the frames of a visit.
   static constexpr Duration kQuiet = std::chrono::seconds(2);
 
-  /// Without a starter, nothing is computed. `clock` must outlive it.
+  /// Without a starter, nothing is computed. `clock` must outlive this object.
   LightWorker(LightStarter starter, LightFiles files, Calls calls, const Clock& clock);
 
   // Thread-safe:
 
-  /// Requests the light of a scene, unless it waits or is being computed. `name` is what the coordinator calls it.
+  /// Requests the light of a scene; does nothing if it was requested already. `name` is the coordinator's name for the
+  /// scene.
   void want(const std::string& path, const std::string& name);
-  /// To be called when a block arrives: pauses at once.
+  /// Pauses the computation at once. To be called when a block arrives.
   void give_way();
-  /// Adds an entry for each scene whose light is being computed or waits for it.
+  /// Adds an entry for each scene whose light is requested and not yet computed.
   void report(wire::NodeStatus* status) const;
   /// Ends wait(). The current computation is ended when work() is next called, or by the destructor.
   void stop();
 
   // For the light thread only:
 
-  /// Waits until there is something to do, or for a moment while a computation works; false once stopped.
+  /// Waits until light is requested, then for kPeriod while a computation runs. Returns false once stopped.
   bool wait();
-  /// Starts, resumes or ends a computation as needed. Returns false if there is nothing to compute.
+  /// Starts, resumes or ends a computation as needed. Returns false if no light is requested.
   bool work();
 
  private:
@@ -68,7 +70,7 @@ class LightWorker {
   const LightFiles files_;
   const Calls calls_;
   const Clock& clock_;
-  std::filesystem::path file_;  ///< Light thread only: the file of the current computation.
+  std::filesystem::path file_;  ///< File of the current computation. Light thread only.
 
   mutable std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;

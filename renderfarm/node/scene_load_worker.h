@@ -16,33 +16,33 @@
 
 namespace cyclorama::node {
 
-/// Loads the scenes that coordinators order, and fetches or sends their light, one after another, while blocks of others
-/// are rendered. Orders come from any thread; the work is done by the caller of wait() and work(), always the same thread. Keeps a reference to the
-/// scenes, which must outlive it.
+/// Loads the scenes that coordinators order, and fetches or sends their light, one order after another, while blocks of
+/// other scenes are rendered. Orders come from any thread. The caller of wait() and work(), always the same thread,
+/// executes them. Keeps a reference to the scenes, which must outlive it.
 class SceneLoadWorker {
  public:
   /// Sends a report to a coordinator; does nothing if its stream has ended.
   using ReportSink = std::function<void(LinkId, wire::NodeReport)>;
-  /// `cache` as in SceneFetcher.
+  /// See SceneFetcher for `cache`.
   SceneLoadWorker(SceneStore& scenes, scene_distribution::SceneCacheOptions cache, ReportSink send_report)
       : scenes_(scenes), lights_(cache.folder), fetcher_(std::move(cache)), send_report_(std::move(send_report)) {}
 
   // Thread-safe:
 
-  /// Takes LoadScene, UseLight and SendLight. Errors: kBadData if too many orders wait or the message is huge: the
-  /// coordinator is broken.
+  /// Queues an order LoadScene, UseLight or SendLight. Errors: kBadData if too many orders wait or the message is huge:
+  /// the coordinator violates the protocol.
   Status take(std::shared_ptr<NodeLink> link, const wire::NodeCommand& order);
   [[nodiscard]] bool is_loading() const { return loading_; }
   /// Returns a sentence on the scene that is being loaded or was loaded last; empty before the first.
   [[nodiscard]] std::string state() const;
-  /// Ends wait(), and aborts fetching. Loading cannot be aborted.
+  /// Ends wait(), and aborts fetching. A load cannot be aborted.
   void stop();
 
   // For the load thread only:
 
-  /// Waits for work; false once stopped.
+  /// Waits for an order. Returns false once stopped.
   bool wait();
-  /// Executes one order and replies. Returns false if none waits.
+  /// Executes one order and replies. Returns false if no order waits.
   bool work();
 
  private:
@@ -50,11 +50,12 @@ class SceneLoadWorker {
     std::shared_ptr<NodeLink> link;
     wire::NodeCommand order;
   };
-  /// Locates the scene, and fetches it if the coordinator distributes it and it is not in memory.
+  /// Finds the scene. Fetches it if the coordinator distributes it and it is not in memory.
   Result<scene_distribution::SceneCache::Held> find(const NodeLink& link, const wire::LoadScene& order);
   [[nodiscard]] bool is_stopping() const;
   wire::SceneLoaded load(const NodeLink& link, const wire::LoadScene& order);
-  /// Fetches the light, unless it is here, and adds it to the scene. A copy goes to the node's cache, for its next start.
+  /// Fetches the light unless the node has it, and adds it to the scene. Writes a copy to the node's cache, for its
+  /// next start.
   Result<VersionedLight> light_of(const NodeLink& link, const wire::UseLight& order, BlockRenderer& renderer);
   void use_light(const NodeLink& link, const wire::UseLight& order);
   void send_light(const NodeLink& link, const wire::SendLight& order);

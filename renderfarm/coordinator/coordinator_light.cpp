@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light computed ahead. One node computes it, the coordinator takes the file and gives it to the others, and when all have
-// it, frames name its version from the next one on. A frame in flight and a picture at rest keep the version that they
-// began with, and only nodes that have a frame's version render it: no picture mixes two.
+// Light computed ahead. One node computes it, and the coordinator passes the file on to the other nodes. Once all nodes
+// have it, new frames name its version. A frame in flight and a picture at rest keep the version that they began with,
+// and only nodes that have a frame's version render the frame, so no picture mixes two versions.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,11 +14,11 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// Nodes that still lack light this long after they could fetch it are left out until they have it.
+/// Nodes that still lack light this long after they could have fetched it get no frames with it until they have it.
 constexpr Duration kSwitchTimeout = std::chrono::seconds(20);
-/// A node that has not sent its light by then is given up, and another gets the order.
+/// If a node has not sent its light within this time, another node is ordered to send it.
 constexpr Duration kSendTimeout = std::chrono::seconds(60);
-/// A node that has not got its light by then gets the order to fetch it once more.
+/// If a node has not fetched its light within this time, it is ordered again to fetch it.
 constexpr Duration kOfferTimeout = std::chrono::minutes(1);
 
 }  // namespace
@@ -97,7 +97,8 @@ std::size_t CoordinatorState::nodes_with_light(const std::string& scene, const s
 void CoordinatorState::choose_light(const std::string& scene, SceneLightState& light) {
   if (!light.target.version().empty() && (light.stored_at || nodes_with_light(scene, light.target.version()) > 0))
     return;
-  // The version that most nodes have; of several, the first by name, so that a restarted coordinator chooses the same.
+  // Chooses the version that most nodes have; of several, the first by name, so that a restarted coordinator chooses
+  // the same.
   std::map<std::string, std::pair<std::size_t, std::uint64_t>> counts;
   for (const auto& [id, node] : nodes_) {
     if (!node.has(scene)) continue;
@@ -140,7 +141,8 @@ void CoordinatorState::spread_light(const std::string& scene, SceneLightState& l
     const auto sending = nodes_.find(light.sending);
     const bool is_sending = sending != nodes_.end() && sending->second.has_light(scene, version);
     if (is_sending && now - light.send_ordered_at < kSendTimeout) return;
-    // Another node if there is one; the same one may have failed for a reason that has passed.
+    // Prefers another node; if there is none, tries the same node again, which may have failed for a reason that has
+    // passed.
     auto holder = std::ranges::find_if(nodes_, [&](const auto& entry) {
       return entry.second.has_light(scene, version) && (!is_sending || entry.first != light.sending);
     });
@@ -187,7 +189,7 @@ void CoordinatorState::use_light(const std::string& scene, SceneLightState& ligh
     if (session.scene != scene || !session.governed) continue;
     GovernorState& old = *session.governed;
     std::unique_ptr<GovernorState> governed = governed_by(old.governor.budget_ms(), old.reference_samples, scene);
-    // A picture at rest continues unchanged.
+    // A picture at rest continues unchanged:
     governed->asked = std::move(old.asked);
     governed->written_at = old.written_at;
     governed->still_since = old.still_since;
@@ -212,7 +214,7 @@ void CoordinatorState::order_light(const std::string& scene, SceneLightState& li
     if (!node.has(scene) || node.status.draining()) continue;
     const Node::LoadedScene& loaded = node.scenes.at(scene);
     if (!loaded.can_compute_light || loaded.has_failed_to_compute) continue;
-    // A node that is at work already, by the command of a coordinator before this one, goes on.
+    // A node that is already computing, by order of an earlier coordinator, continues.
     const auto progress = std::ranges::find(node.status.light(), scene, &wire::LightProgress::scene);
     const double done = progress == node.status.light().end() ? 0.0 : progress->done_share();
     const std::pair<double, double> rank{done, speed_of(node, scene)};

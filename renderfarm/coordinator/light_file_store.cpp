@@ -15,7 +15,7 @@
 namespace cyclorama::coordinator {
 namespace {
 
-constexpr std::size_t kMaxFiles = 64;  ///< Far more than the scenes that nodes load at a time.
+constexpr std::size_t kMaxFiles = 64;  ///< Far more than the number of scenes that nodes load at a time.
 
 Error full(const std::string& doing) {
   const Error reason = Error::from_errno(doing);

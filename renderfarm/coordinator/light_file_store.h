@@ -17,16 +17,17 @@
 
 namespace cyclorama::coordinator {
 
-/// Files of light on their way from the node that computed them to the others. They have no name on the disk, so none is
-/// left behind; the nodes keep theirs, and after a restart one of them sends it again. Thread-safe.
+/// Files of light in transit from the node that computed them to the other nodes. They have no name on the disk, so
+/// none is left behind. Nodes keep their copies; after a restart of the coordinator, one of them sends its copy again.
+/// Thread-safe.
 class LightFileStore {
  public:
   /// A file that is being received. Thread-bound.
   class Receipt {
    public:
-    /// Errors: kBusy if it becomes larger than announced or the disk is full.
+    /// Appends bytes. Errors: kBusy if the file becomes larger than announced or the disk is full.
     Status add(std::span<const std::byte> bytes);
-    /// Makes the file available. Errors: kInvalidArgument if the bytes are not those of the version.
+    /// Makes the file available. Errors: kInvalidArgument if the bytes do not match the version.
     Status finish();
 
    private:
@@ -43,9 +44,10 @@ class LightFileStore {
 
   /// Allows a node to send this light.
   void accept(const wire::LightVersion& light);
-  /// Errors: kInvalidArgument if accept() was not called for that version; kBusy if the disk gives no place.
+  /// Begins to receive a file. Errors: kInvalidArgument if accept() was not called for this version; kBusy if the disk
+  /// is full.
   Result<std::unique_ptr<Receipt>> receive(const std::string& version);
-  /// Errors: kNotFound if it has not come.
+  /// Opens a complete file. Errors: kNotFound if it has not been received.
   [[nodiscard]] Result<scene_distribution::StampedFile> open(const std::string& version) const;
 
  private:
@@ -56,7 +58,7 @@ class LightFileStore {
   void keep(const std::string& version, UniqueFd file);
 
   mutable std::mutex mutex_;  ///< Guards the following.
-  std::list<Entry> entries_;  ///< The newest first.
+  std::list<Entry> entries_;  ///< Newest first.
 };
 
 }  // namespace cyclorama::coordinator

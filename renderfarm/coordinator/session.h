@@ -79,7 +79,9 @@ struct Session {
   std::uint64_t newest_view = 0;
   /// Counts the frames of `frames` and `unwritten_ends` as in flight, so a view waits until an older frame is written.
   FrameWindow<ReceivedView> views{};
-  std::deque<FrameInFlight> frames{};  ///< Oldest first. The first is relayed to the museum. A refinement is alone.
+  /// Oldest first; tiles of the first frame are relayed to the museum. A refinement is never in flight with another
+  /// frame.
+  std::deque<FrameInFlight> frames{};
   std::deque<WrittenFrame> unwritten_ends{};
   std::size_t bytes_waiting = 0;  ///< Bytes of held tiles and of tiles that the museum has not taken yet.
   std::size_t messages_waiting = 0;

@@ -77,8 +77,7 @@ class WorkGrid {
 
 /// Distribution of a block's time over its cells:
 enum class CellTimes {
-  /// The times that the node reported for the cells. If it reported none: in proportion to `prior`, or evenly if that is
-  /// null.
+  /// Times from the node's report. Blocks without a report are divided by `prior`, or by area if that is null.
   kMeasured,
   kUniform,  ///< Evenly over the pixels, whatever the node reported; the rule of the prediction binary tree.
 };

@@ -33,8 +33,8 @@ struct MeasuredFrame {
 /// follows at once. The noise is estimated from the differences between successive frames, in which an error of the
 /// model cancels.
 ///
-/// Sources: L. Ljung and T. Soderstrom, Theory and Practice of Recursive Identification, MIT Press 1983 (recursive least
-/// squares as a Kalman filter); D. Simon and T. L. Chia, Kalman filtering with state equality constraints, IEEE
+/// Sources: L. Ljung and T. Soderstrom, Theory and Practice of Recursive Identification, MIT Press 1983 (recursive
+/// least squares as a Kalman filter); D. Simon and T. L. Chia, Kalman filtering with state equality constraints, IEEE
 /// Transactions on Aerospace and Electronic Systems 38, 2002 (the projection); E. S. Page, Continuous inspection
 /// schemes, Biometrika 41, 1954 (the cumulative sum test). Pure; thread-bound.
 class FrameTimeModel {

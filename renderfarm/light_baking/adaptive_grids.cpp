@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::size_t kTrianglesPerChunk = 128;
 constexpr std::size_t kGridsPerChunk = 16;
-/// A round takes at most this share of what is left of the budget, so that the rest can follow what the round finds.
+/// A round takes at most about one kRoundShare-th of the remaining budget, so that later rounds can use its results.
 constexpr std::uint64_t kRoundShare = 3;
-/// Shares of the progress that is reported: probing, then the steps.
+/// Shares of the reported progress: probing, then the steps.
 constexpr double kProbingShare = 0.5;
 constexpr double kStepsShare = 0.4;
 
@@ -27,7 +27,8 @@ struct Entry {
   GridInWork grid;
 };
 
-/// Returns the squared error that a step may remove, summed over visible samples, per sample that it stores.
+/// Returns the squared error that a step may remove, summed over visible samples, divided by the samples that it
+/// stores.
 double gain_of(const GridInWork& grid) {
   const double pixels = static_cast<double>(grid.max_parts) * static_cast<double>(grid.max_parts);
   return static_cast<double>(grid.squared_error) * pixels / static_cast<double>(grid.step_samples());
@@ -53,7 +54,7 @@ class GridSpender {
     if (budget_.report_progress) budget_.report_progress(fraction);
   }
 
-  /// Calls work(number of a chunk, tracer) in parallel.
+  /// Calls work(chunk number, tracer) in parallel.
   template <typename Work>
   void for_chunks(std::size_t count, std::size_t per_chunk, Work work) {
     tbb::parallel_for(std::size_t{0}, (count + per_chunk - 1) / per_chunk, [&](std::size_t chunk) {
@@ -81,7 +82,7 @@ class GridSpender {
     }
   }
 
-  /// Performs the best steps that fit. Returns false if there were none.
+  /// Performs the best steps that fit the budget. Returns false if there are none.
   bool step() {
     std::vector<std::pair<double, std::size_t>> wanted;
     for (std::size_t i = 0; i < entries_.size(); ++i) {
@@ -108,7 +109,7 @@ class GridSpender {
     });
     std::uint64_t used = 0;
     for (const Entry& entry : entries_) used += entry.grid.light.size();
-    left_ = budget_.samples - used;  // Steps that improved nothing have stored nothing.
+    left_ = budget_.samples - used;  // A step that improved nothing has stored nothing.
     return !chosen.empty();
   }
 

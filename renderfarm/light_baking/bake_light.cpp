@@ -28,20 +28,20 @@ namespace {
 
 using render::Vec3;
 
-/// Number of points in one task.
+/// Number of points, or of triangles with sites, in one task.
 constexpr std::size_t kChunk = 256;
 constexpr std::size_t kSitesPerChunk = 1024;
-/// Headroom of the unit above the brightest direct light, for bounces.
+/// Ratio of the largest value that can be stored to the brightest direct light; allows for bounces.
 constexpr float kHeadroom = 16.0f;
-/// Shadow rays of samples that no visitor sees.
+/// Maximum shadow rays of samples that no visitor sees.
 constexpr int kUnseenLightRays = 16;
-/// Share of the progress that is reported before the check.
+/// Share of the reported progress that ends before the check.
 constexpr double kBakingShare = 0.85;
-/// Visible parts of an edge from which a triangle is large.
+/// Number of visible parts of an edge above which a triangle is large.
 constexpr double kLargeParts = 32.0;
 
 BakeSettings with_dim_light(BakeSettings settings, const scene::Scene& scene) {
-  constexpr float kDim = 0.1f;  // A tenth of white: where light is dimmer, relative errors are less visible.
+  constexpr float kDim = 0.1f;  // Below a tenth of white, relative errors are less visible.
   settings.dim_light = kDim / static_cast<float>(scene.exposure);
   return settings;
 }
@@ -87,7 +87,7 @@ class Baker {
       smooth_gathered_light(*scene_.placements[side.placement].mesh, &side);
       sharpen(scene_.placements[side.placement], &side);
     }
-    make_all_grids();  // They read the same bounce as the base samples, so nothing is published in between.
+    make_all_grids();  // Grids use the same bounce as the base samples, so nothing is published in between.
     for (const SideGrids& fine : fine_) {
       baked_.grids += fine.grids.size();
       for (const MadeGrid& grid : fine.grids) {
@@ -172,7 +172,7 @@ class Baker {
     }
   }
 
-  /// Calls work(side, samples, their spots, tracer) for chunks of base samples.
+  /// Calls work(side, samples, their spots, tracer) for chunks of base samples, in parallel.
   template <typename Work>
   void for_points(Which which, Work work) {
     for (BaseSide& side : sides_) {
@@ -213,7 +213,7 @@ class Baker {
     });
   }
 
-  /// Returns the samples that grids may take within the budget of bytes.
+  /// Returns the number of samples that grids may have within the budget of bytes.
   [[nodiscard]] std::uint64_t grid_samples() const {
     double triangles = 0.0;
     std::uint64_t taken = 0;
@@ -246,14 +246,14 @@ class Baker {
     fine_ = make_grids(seen, settings_, budget, tracers_);
   }
 
-  /// `seed` determines the rounding, so that errors of neighbouring samples cancel.
+  /// Encodes light. `seed` randomizes the rounding, so that errors of neighbouring samples cancel.
   [[nodiscard]] std::uint32_t encoded(const Vec3& light, std::uint32_t seed) const {
     return light::to_rgb9e5((light + scene_.ambient) / unit_, render::to_unit_float(render::mix_bits(seed)));
   }
 
   [[nodiscard]] std::uint8_t coded_error(float error) const { return light::to_error_code(error / unit_); }
 
-  /// Chooses the unit from the direct light, once.
+  /// Chooses the unit from the direct light. Called once.
   void choose_unit() {
     float brightest = scene_.ambient.maxCoeff();
     for (const BaseSide& side : sides_) {
@@ -304,7 +304,7 @@ class Baker {
   void add_directions(const BaseSide& side, light::SideLight* out) const {
     out->directions.reserve(side.light.size());
     for (const PointLight& light : side.light) {
-      // Ambient light comes from all directions, so its mean direction is zero.
+      // Ambient light comes evenly from all directions, so its mean direction is zero.
       const float all = render::luminance(light.lamps.light + light.surfaces.light + scene_.ambient);
       const Vec3 sum = light.lamps.direction + light.surfaces.direction;
       out->directions.push_back(all > 0.0f ? light::to_direction_code(sum / all) : 0);
@@ -340,14 +340,14 @@ class Baker {
   light::SceneKey key_;
   BakedLight baked_;
   std::vector<BaseSide> sides_;
-  std::vector<SideGrids> fine_;  ///< One for each side, once they are made.
+  std::vector<SideGrids> fine_;  ///< One for each side; empty until the grids are made.
   float unit_ = 1.0f;
   std::shared_ptr<const light::LightStore> published_;
   std::atomic<double> cpu_seconds_ = 0.0;
   double stage_began_ = 0.0;
 };
 
-/// Lets the store say how far it is from the truth.
+/// Adds the measured errors of the light to the store.
 Status add_check(render::Renderer& renderer, int eyes, const std::function<void(double)>& progress,
                  const std::function<bool()>& cancelled, BakedLight* baked) {
   CheckSettings settings;

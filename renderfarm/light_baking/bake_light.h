@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Computes the light of a scene: what arrives at each point of its surfaces, directly and after the scene's bounces.
+/// Computes the light of a scene: the light that arrives at each point of its surfaces, directly and after bounces.
 ///
-///     visible triangles ──► direct light at all base samples ──► one bounce after the other, each of which reads the
-///     one before ──► the last bounce, finely and without noise where visitors look ──► grids where the vertices are
-///     not enough ──► a check from eyes that were not used
+///     visible triangles ──► direct light at all base samples ──► bounces, each of which uses the previous one
+///     ──► the last bounce, with many rays where visitors look ──► grids where vertices do not suffice
+///     ──► a check from held-out eyes
 ///
-/// Sources: Ward, Rubinstein and Clear, "A Ray Tracing Solution for Diffuse Interreflection", 1988, for light computed
-/// by gathering; Christensen et al., "Global Illumination for Animated Films", 2012, for reading stored light at the
+/// Sources: Ward, Rubinstein and Clear, "A Ray Tracing Solution for Diffuse Interreflection", 1988, for computing light
+/// by gathering; Christensen et al., "Global Illumination for Animated Films", 2012, for the use of stored light at the
 /// second hit.
 #pragma once
 
@@ -22,7 +22,7 @@
 
 namespace cyclorama::light_baking {
 
-/// A part of the work with its cost.
+/// A part of the work and its cost.
 struct BakeStage {
   std::string name;
   double cpu_seconds = 0.0;
@@ -30,19 +30,19 @@ struct BakeStage {
 
 struct BakedLight {
   std::shared_ptr<const light::LightStore> store;
-  double cpu_seconds = 0.0;          ///< Without the check.
+  double cpu_seconds = 0.0;          ///< Cost without the check.
   double check_cpu_seconds = 0.0;    ///< Cost of the comparison with path tracing.
-  std::uint64_t seen_triangles = 0;  ///< Each side counted.
+  std::uint64_t seen_triangles = 0;  ///< Number of seen triangles, each side counted separately.
   std::uint64_t grids = 0;
-  std::uint64_t separate_samples = 0;  ///< Samples of grids that must not be used.
-  std::uint64_t hidden_vertices = 0;   ///< Vertices behind or inside something, with light from beside them.
-  std::vector<BakeStage> stages;       ///< In the order of the work; their sum is `cpu_seconds`.
+  std::uint64_t separate_samples = 0;  ///< Number of samples in grids that must not be used.
+  std::uint64_t hidden_vertices = 0;   ///< Number of hidden vertices (vertex_sites.h).
+  std::vector<BakeStage> stages;       ///< Stages in the order of the work; their costs add up to `cpu_seconds`.
 };
 
-/// Computes the light with `threads` threads (0: all). The result depends on the scene, the settings and the program
-/// alone, not on threads. While it works, the renderer's light is replaced; afterwards the renderer has the result, or
-/// none. `progress` may be null; `cancelled`, too. Errors: kInvalidArgument for a scene whose light moves with the
-/// visitor (an eye lamp); kUnavailable if it was cancelled.
+/// Computes the light with `threads` threads (0: all). The result depends only on the scene, the settings and the
+/// program, not on the threads. The renderer's light is replaced meanwhile; afterwards the renderer has the result, or
+/// none after an error. `progress` and `cancelled` may be null. Errors: kInvalidArgument for a scene whose light moves
+/// with the visitor (an eye lamp); kUnavailable if cancelled.
 Result<BakedLight> bake_light(render::Renderer& renderer, const BakeSettings& settings, int threads,
                               const std::function<void(double)>& progress, const std::function<bool()>& cancelled);
 

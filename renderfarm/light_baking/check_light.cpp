@@ -15,12 +15,12 @@
 namespace cyclorama::light_baking {
 namespace {
 
-/// Seed of the eyes; the baker's own have another.
+/// Seed of the held-out eyes; the baker's eyes have a different one.
 constexpr std::uint64_t kHeldOutSeed = 4711;
 constexpr double kSpan = 150.0 * std::numbers::pi / 180.0;
 constexpr std::uint64_t kReferenceSeed = 1'000'001;
 
-/// The largest difference of two pictures, in codes of the display, and where it is.
+/// Largest difference between two pictures, in codes of the display, and its position.
 struct WorstBlock {
   float codes = 0.0f;
   int x = 0;
@@ -69,7 +69,7 @@ class Checker {
     flip_.push_back(static_cast<float>(flip.mean));
     light_ += quality::mean_value(picture);
     reference_light_ += quality::mean_value(mean);
-    // The relMSE of paths falls with their number, so error times cost is a constant.
+    // The relMSE of path tracing is inversely proportional to the number of paths, so error times cost is constant.
     error_times_cost_ += quality::half_relmse(reference) * paths / 2.0;
     if (block_relmse_.back() >= *std::ranges::max_element(block_relmse_)) {
       const WorstBlock worst = worst_block(blocks, quality::mean_of(reference_blocks), tone);
@@ -121,7 +121,7 @@ class Checker {
   std::vector<float> flip_;
   double light_ = 0.0;
   double reference_light_ = 0.0;
-  double error_times_cost_ = 0.0;  ///< relMSE times processor seconds of paths, summed over the eyes.
+  double error_times_cost_ = 0.0;  ///< Sum over the eyes of relMSE times the processor seconds of path tracing.
   double paths_cpu_seconds_ = 0.0;
   double stored_cpu_seconds_ = 0.0;
 };
@@ -130,7 +130,7 @@ class Checker {
 
 std::vector<Eigen::Vector3d> held_out_eyes(const scene::SceneInfo& info, int count) {
   std::vector<Eigen::Vector3d> eyes = walkable_eyes(info, count + 1, kHeldOutSeed);
-  if (eyes.size() > 1) eyes.erase(eyes.begin());  // The start is one of the baker's own.
+  if (eyes.size() > 1) eyes.erase(eyes.begin());  // The start is also one of the baker's eyes.
   return eyes;
 }
 

@@ -13,7 +13,8 @@ namespace cyclorama::denoise {
 /// Mean squared errors over pixels and channels. Each error is divided by (reference^2 + 0.01), as in relMSE. A value.
 struct DenoiseGain {
   double mse_before = 0.0;  ///< Mean error of the films before denoising.
-  double mse_after = 0.0;  ///< Mean error of the denoised pictures: bias2 + variance_after, with the reference's noise.
+  /// Mean error of the denoised pictures: bias2 + variance_after. Includes the noise of the reference.
+  double mse_after = 0.0;
   /// Error that averaging denoised pictures does not remove. An unbiased estimate, which may be negative.
   double bias2 = 0.0;
   double variance_after = 0.0;  ///< Error that averaging removes.

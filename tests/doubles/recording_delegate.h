@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-/// Records the messages of CoordinatorState and their receivers. Thread-bound.
+/// Records the messages of CoordinatorState by receiver. Thread-bound.
 class RecordingDelegate final : public coordinator::CoordinatorDelegate {
  public:
   std::map<coordinator::NodeId, std::deque<wire::NodeCommand>> commands;
@@ -20,7 +20,7 @@ class RecordingDelegate final : public coordinator::CoordinatorDelegate {
   std::map<coordinator::NodeId, Error> ended_nodes;
   std::map<coordinator::SessionId, Error> ended_sessions;
   std::vector<coordinator::FrameReport> frames;
-  std::vector<std::string> accepted_light;  ///< Versions that nodes may send.
+  std::vector<std::string> accepted_light;  ///< Versions that nodes are permitted to send.
   std::vector<std::string> notices;
   std::vector<coordinator::NoticeAbout> noticed;  ///< Subject of each notice.
 

@@ -36,8 +36,8 @@ struct SplitRequest {
   /// Number of pictures of equal size, one above another (two for stereo). The cost of a cell is predicted from its own
   /// picture only.
   int stacked = 1;
-  /// True: one block per node, none stealable. For pictures whose blocks cost more when they are divided, because the
-  /// denoiser reads around each.
+  /// True if each node gets a single block that is not stealable, because dividing it would cost more: the denoiser
+  /// reads pixels around each block.
   bool whole_blocks = false;
 };
 

@@ -35,7 +35,8 @@ void to_cost_per_px(WorkGrid* work, double factor) {
   }
 }
 
-/// Two cells and a weight for linear interpolation between the centres of cells, for a position in cells from the edge.
+/// The two cells whose centres are on both sides of a position, for linear interpolation. Positions are in cells from
+/// the edge.
 struct Between {
   int first = 0;
   int second = 0;

@@ -15,9 +15,9 @@ struct Move {
   std::size_t to = 0;
 };
 
-/// Returns moves that balance the nodes, because cuts on a grid cannot be exact. It is work stealing in advance: the
-/// node with the largest load gives a stealable block to the node with the smallest load, as long as this reduces the
-/// larger of the two loads by at least `min_gain_seconds`. No block moves twice. Reentrant; deterministic.
+/// Returns moves that improve the balance of the nodes, since cuts on a grid cannot be exact. It is work stealing in
+/// advance: the node with the largest load gives a stealable block to the node with the smallest load, as long as this
+/// reduces the larger of the two loads by at least `min_gain_seconds`. No block moves twice. Reentrant; deterministic.
 [[nodiscard]] std::vector<Move> level(std::span<const NodeQueue> nodes, double min_gain_seconds);
 
 }  // namespace cyclorama::balance

@@ -35,11 +35,11 @@ struct Steal {
   friend bool operator==(const Steal&, const Steal&) = default;
 };
 
-/// Returns the block that node `idle` should take; the queue of `idle` is ignored. The victim is the node with the most
-/// remaining time of which a block is worth stealing. Of its stealable blocks, the one is chosen whose move saves the
-/// most time (the last of several). Each steal costs `overhead_seconds`. Returns nothing if no steal saves more than
-/// its cost, or if the victim would begin the block before the message arrives. Invalid numbers count as no work or no
-/// speed. Reentrant; deterministic.
+/// Returns the block that node `idle` should take; the queue of `idle` is ignored. Of the nodes from which stealing
+/// pays, the victim is the one with the most remaining time. Of its stealable blocks, the one is chosen whose move
+/// saves the most time (the last of several). Each steal costs `overhead_seconds`. Returns nothing if no steal saves
+/// more than its cost, or if the victim would begin the block before the message arrives. Invalid numbers count as no
+/// work or no speed. Reentrant; deterministic.
 [[nodiscard]] std::optional<Steal> choose_steal(std::span<const NodeQueue> nodes, std::size_t idle,
                                                 double overhead_seconds);
 

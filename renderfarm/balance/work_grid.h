@@ -77,7 +77,8 @@ class WorkGrid {
 
 /// Distribution of a block's time over its cells:
 enum class CellTimes {
-  /// Times from the node's report. Blocks without a report are divided by `prior`, or by area if that is null.
+  /// Times from the node's report. If there is none, the block's time is shared in proportion to `prior`, or to area if
+  /// that is null.
   kMeasured,
   kUniform,  ///< Evenly over the pixels, whatever the node reported; the rule of the prediction binary tree.
 };

@@ -41,7 +41,7 @@ class Accounts {
   struct Turn {
     WorkClass work = WorkClass::kMoving;
     double start = 0.0;     ///< Virtual time.
-    double reserved = 0.0;  ///< Demand::cpu_seconds.
+    double reserved = 0.0;  ///< See Demand::cpu_seconds.
     [[nodiscard]] Rank rank() const;
   };
 
@@ -65,7 +65,7 @@ class Accounts {
   /// Returns the cpu-seconds charged since the account was first opened; 0 for an unknown account.
   [[nodiscard]] double charged_seconds(AccountId account) const;
 
-  /// Amount by which an account may catch up, as time of its share of the farm.
+  /// Seconds of its share of the farm by which an account may catch up.
   static constexpr double kCreditSeconds = 1.0;
   /// Burst that a quota permits: the amount that it allows in this time may be used at once before work counts as
   /// spare.

@@ -96,7 +96,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
   void stop() {
     events_.post(StopRequested{});
     files_.stop();
-    const TimePoint last = clock_.now() + kStopGrace;  // One deadline for all servers, of which each may hang.
+    const TimePoint last = clock_.now() + kStopGrace;  // One deadline for all servers, any of which may hang.
     for (const auto& server : {museum_server_.get(), node_server_.get(), inspect_server_.get()}) {
       if (server != nullptr) server->stop(std::max(Duration::zero(), last - clock_.now()));
     }

@@ -30,8 +30,8 @@ constexpr double kAtRest = 4.0;
 constexpr Duration kMinAtRestTimeout = std::chrono::milliseconds(500);
 /// Multiple of the base time after which a frame is given up in favour of the next one.
 constexpr double kLate = 2.0;
-/// Time until a block that was taken from one node is begun by another: a round trip, the coordinator's turn, and a
-/// cell of the block that the other node is rendering.
+/// Time until a block that was taken from one node is begun by another: a round trip, the work of the coordinator, and
+/// a cell of the block that the other node is rendering.
 constexpr double kStealSeconds = 0.002;
 /// A node counts as slowed if its utilisation is below this fraction of the median of the scene's nodes.
 constexpr double kSlowed = 0.5;

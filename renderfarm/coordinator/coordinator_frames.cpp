@@ -39,7 +39,7 @@ double shifting_span(const wire::View& view) {
   return view.panorama().projection() == wire::Panorama::CYLINDER ? view.panorama().azimuth_span_rad() : 0.0;
 }
 
-/// Returns the number of pictures above each other: one per eye.
+/// Returns the number of pictures, one above another: one per eye.
 int stacked(const wire::View& view) { return view.panorama().has_eyes() ? 2 : 1; }
 
 /// Returns the relative cost of a pixel, which grows with its samples; the extra cost of a bounce depends on the scene.

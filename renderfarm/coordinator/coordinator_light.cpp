@@ -14,7 +14,8 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// Nodes that still lack light this long after they could have fetched it get no frames with it until they have it.
+/// Time after which new light is used even if some nodes lack it; they render no frames with it until they have fetched
+/// it.
 constexpr Duration kSwitchTimeout = std::chrono::seconds(20);
 /// If a node has not sent its light within this time, another node is ordered to send it.
 constexpr Duration kSendTimeout = std::chrono::seconds(60);

@@ -14,8 +14,8 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// More samples would show no difference. The samples of a cell are traced together, so more would also delay other
-/// museums' blocks.
+/// Maximum samples of a view with stored light. More would show no difference, and would delay other museums' blocks,
+/// because the samples of a cell are traced together.
 constexpr std::uint32_t kMaxStoredLightSamples = 64;
 
 Status check_quota(const char* what, std::uint32_t requested, int granted) {

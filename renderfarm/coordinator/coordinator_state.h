@@ -54,7 +54,6 @@ struct CoordinatorLimits {
 /// that a node can start its next block as soon as it has sent the previous one. Nodes serve blocks by rank (see
 /// Accounts), so museums take turns. If two frames are in flight, the tiles of the older one are relayed to the museum
 /// as they arrive, and the tiles of the newer one are held.
-/// newer one are held.
 ///
 /// A session with a frame budget is governed: a Governor chooses the quality of each view. After a while without a
 /// request, the last view is refined, picture by picture, until the reference quality is reached. A refined picture is
@@ -71,7 +70,6 @@ struct CoordinatorLimits {
 /// base time, a frame with a successor is given up: the last complete picture stands in for it, and the frame's end
 /// reports this. The outstanding tiles of a node that disconnects or fails are reassigned at once. The first delivery
 /// of a tile counts; later deliveries are dropped.
-/// later ones are dropped.
 ///
 /// Invariants: 1. the museum gets the begin, tiles and end of one frame before those of the next; 2. no tile is sent
 /// twice; 3. all tiles of a frame that ends `complete` were sent; 4. each view is answered by a frame or replaced by a
@@ -138,7 +136,7 @@ class CoordinatorState {
   [[nodiscard]] std::set<std::string> scenes_in_use() const;
   void status_received(Node& node, const wire::NodeStatus& status);
   Status scene_dropped(Node& node, const wire::SceneDropped& dropped);
-  /// Returns the speed of one thread of the node that loaded the scene.
+  /// Returns the speed of one thread of the node that loaded the scene, relative to the first node that loaded it.
   [[nodiscard]] double relative_speed(const wire::SceneLoaded& loaded);
   void learn_utilisation(Node& node, const wire::BlockEnd& end);
   /// Updates the median utilisation of each scene's nodes.

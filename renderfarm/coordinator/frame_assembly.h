@@ -65,7 +65,7 @@ class FrameAssembly {
   /// renders.
   std::vector<PixelRect> give_up(std::uint64_t block);
 
-  /// Uncounts the attempts at a block's missing tiles, because its node is merely slow.
+  /// Subtracts the attempts at a block's missing tiles, because its node is merely slow.
   void forgive_attempt(std::uint64_t block);
 
   [[nodiscard]] bool has(std::uint64_t block) const { return blocks_.contains(block); }
@@ -98,7 +98,7 @@ class FrameAssembly {
   std::map<std::uint64_t, Block> blocks_;
   std::map<PixelRect, int> attempts_;
   std::map<PixelRect, int> missing_;                   ///< Number of wanted blocks that contain each missing tile.
-  std::map<PixelRect, std::vector<PixelRect>> parts_;  ///< Parts of cut tiles; each is missing_ or delivered.
+  std::map<PixelRect, std::vector<PixelRect>> parts_;  ///< Parts of cut tiles. Each part is in `missing_` or delivered.
   std::uint32_t delivered_ = 0;
   bool reassigned_ = false;
 };

@@ -48,7 +48,7 @@ class Placement {
     std::map<NodeId, std::size_t> order;  ///< Position of each node that the session has ever been able to use.
     std::size_t next_position = 0;
     std::map<NodeId, double> loads;  ///< Fraction of each node's time that the session takes.
-    double seconds_per_frame = 1.0;  ///< Smoothed.
+    double seconds_per_frame = 1.0;  ///< Smoothed time between two frames.
     TimePoint planned_at{};
   };
   [[nodiscard]] double load_of_others(const Place& place, NodeId node) const;

@@ -14,8 +14,8 @@
 namespace cyclorama::coordinator {
 
 /// Measures the delay that the coordinator adds to messages for museums. For each tile, it is the time from the tile's
-/// arrival, or from the end of what held the tile back, until the tile is written to the museum; for each frame, the
-/// frame's overhead. Used by Coordinator; thread-bound.
+/// arrival, or from when it was no longer held back, until it is written to the museum; for each frame, the frame's
+/// overhead. Used by Coordinator; thread-bound.
 ///
 /// A frame's overhead is the time from the arrival of its view to the writing of its last tile, minus the time spent
 /// waiting for older frames of its session, and minus the longest time that one of its blocks was at a node. Frames

@@ -165,7 +165,7 @@ struct Node {
 struct SceneLightState {
   std::string in_use{};                  ///< Version for new frames; empty: their paths are traced.
   wire::LightVersion target{};           ///< Version that all nodes should have; empty if none is known.
-  std::optional<TimePoint> stored_at{};  ///< Time since when the coordinator has its file; null: it does not have it.
+  std::optional<TimePoint> stored_at{};  ///< Time from which the coordinator has the target's file; null: it has not.
   NodeId sending{};                      ///< Node that was ordered to send the target's file.
   TimePoint send_ordered_at{};
   NodeId computing{};           ///< Node that was ordered to compute the light.

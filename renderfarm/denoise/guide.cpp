@@ -29,7 +29,7 @@ constexpr float kFireflyDeviations = 4.0f;
 constexpr float kSureErrors = 3.0f;
 
 /// Tolerance in variances at few samples, and the number of samples at which it is halved. A pixel's samples are
-/// stratified, so their spread increasingly overestimates the error; the tolerance falls at the rate at which they
+/// stratified, so their spread increasingly overestimates the error; the tolerance falls as the samples converge.
 /// converge.
 constexpr float kTolerance = 64.0f;
 constexpr float kToleranceHalved = 8.0f;

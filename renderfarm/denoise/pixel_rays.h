@@ -21,7 +21,7 @@ struct PixelRays {
 /// the direction of the axis.
 [[nodiscard]] PixelRays picture_rays(const PictureShape& shape, double heading_rad, const PixelRect& rect);
 /// Returns the directions for one eye or two; each ray starts at its eye. Neighbouring pixels have nearly the same eye
-/// position: within the filter's radius it moves by less than a millimetre.
+/// position: within the filter's radius, the eye moves by less than a millimetre.
 [[nodiscard]] PixelRays picture_rays(const Projection& picture, double heading_rad, const PixelRect& rect);
 
 }  // namespace cyclorama::denoise

@@ -28,8 +28,8 @@ constexpr double kFixedJump = 0.25;
 /// Relative standard deviation of the prior: of the slope and of the fixed time, the latter relative to the first
 /// frame's time.
 constexpr double kPriorSd = 0.5;
-/// Random walk from frame to frame, relative to the frame time (fixed) and to the slope. Without thread times, the
-/// slope includes the scene's cost, which changes faster.
+/// Standard deviations of the random walk per frame: of the fixed time, relative to the frame time; and of the slope,
+/// relative to itself. Without thread times, the slope includes the scene's cost, which changes faster.
 constexpr double kFixedDrift = 0.005;
 constexpr double kSlopeDrift = 0.01;
 constexpr double kSlopeDriftWithoutRays = 0.02;

@@ -81,8 +81,8 @@ class FrameTimeModel {
   double fixed_ = 0.0;
   double slope_ = 1.0;
   struct Covariance {
-    double fixed = 0.0;  ///< Variance.
-    double slope = 0.0;  ///< Variance.
+    double fixed = 0.0;  ///< Variance of fixed_.
+    double slope = 0.0;  ///< Variance of slope_.
     double both = 0.0;
   };
   Covariance covariance_;  ///< Covariance of fixed_ and slope_.

@@ -67,9 +67,9 @@ ParetoFront ParetoFront::standard(int bounces) {
   // Measured with cyclorama-bench-render trade GROTTO --size 320x120 --reference-samples 512, for the generated grotto
   // of 1 M triangles with 4 bounces; the faster of two runs. A point is kept if its relMSE and its FLIP are both
   // smaller than those of all cheaper points, and if it does not have more samples and fewer pixels than another row (2
-  // at 0.35, 4 at 0.71), because sharpness matters more. One sample at full size is omitted: it has a larger relMSE
-  // than 0.71 and costs more than two samples there. Denoising helps up to 16 samples; the last row has twice the cost
-  // of 64 samples. With other numbers of bounces, mainly the unit of the costs differs.
+  // at 0.35, 4 at 0.71), because sharpness matters more. One sample at full size is omitted: its relMSE is larger than
+  // that of one sample at 0.71, and it costs more than two samples at 0.71. Denoising helps up to 16 samples; the last
+  // row has twice the cost of 64 samples. With other numbers of bounces, mainly the unit of the costs differs.
   struct Row {
     double scale;
     int samples;

@@ -35,8 +35,9 @@ class ParetoFront {
   /// Returns the picture of about this cost, interpolated between points if necessary. From one point to the next, the
   /// number of rendered pixels changes linearly with the cost, and the samples use the rest of it. Samples are whole
   /// numbers: they are rounded up if the scale can then be at least 0.7, otherwise down, and the scale compensates for
-  /// the rounding. Other settings are those of the cheaper point, until the more expensive point is better if its error
-  /// is taken as inversely proportional to its cost. Below the first and beyond the last point, returns that point.
+  /// the rounding. Other settings are those of the point that is better at this cost, where the error of the more
+  /// expensive point is assumed to be inversely proportional to the cost. Below the first and beyond the last point,
+  /// returns that point.
   [[nodiscard]] ParetoPoint at(double cost) const;
 
  private:

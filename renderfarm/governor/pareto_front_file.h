@@ -5,7 +5,7 @@
 ///   [[point]]
 ///   cpu_us_per_px = 1.9   # Processor time per displayed pixel.
 ///   error = 0.041         # The same measure for the whole file.
-///   samples = 4           # Parameters of PictureQuality; those left out have their defaults.
+///   samples = 4           # Parameters of PictureQuality; omitted ones have their defaults.
 ///   bounces = 1
 #pragma once
 

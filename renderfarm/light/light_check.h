@@ -26,11 +26,11 @@ struct LightCheck {
   std::uint32_t reference_samples = 0;
   Percentiles relmse;        ///< Errors of pixels.
   Percentiles block_relmse;  ///< Errors of the means of blocks of 8x8 pixels, in which noise cancels.
-  Percentiles flip;          ///< Includes the reference's noise.
+  Percentiles flip;          ///< FLIP; includes the reference's noise.
   float bias = 0.0f;         ///< Relative error of the pictures' mean.
   /// relMSE of path tracing for as many processor seconds as the pictures with stored light took.
   float relmse_of_paths = 0.0f;
-  std::array<float, 3> worst_eye{};  ///< Eye with the largest block_relmse; Scene frame.
+  std::array<float, 3> worst_eye{};  ///< Eye with the largest block_relmse, in the Scene frame.
   float worst_heading_rad = 0.0f;
   float worst_codes = 0.0f;                       ///< Largest error of a block from that eye, in codes of the display.
   std::array<std::uint32_t, 2> worst_block_px{};  ///< Corner of that block.

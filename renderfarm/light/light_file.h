@@ -7,7 +7,7 @@
 ///     4 x u32
 ///   for each placement and side:  base, directions, grids, samples, 4 bytes each;  errors of base and samples, 1 byte
 ///     each
-///   XXH3 (64 bits) of all bytes before
+///   XXH3 (64 bits) of all preceding bytes
 ///
 /// Everything is little-endian.
 #pragma once

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kTrianglesPerChunk = 128;
 constexpr std::size_t kGridsPerChunk = 16;
-/// A round takes at most about one kRoundShare-th of the remaining budget, so that later rounds can use its results.
+/// A round ends once it has taken 1/kRoundShare of the remaining budget, so that later rounds can use its results.
 constexpr std::uint64_t kRoundShare = 3;
 /// Shares of the reported progress: probing, then the steps.
 constexpr double kProbingShare = 0.5;

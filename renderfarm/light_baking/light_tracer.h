@@ -39,8 +39,8 @@ class LightTracer {
   LightTracer(const render::TraceScene& scene, render::ShadeStage shade, int bounces);
 
   /// Estimates the light that comes directly from lamps and the sky, by shadow rays. Each spot gets at least 16 rays,
-  /// then more until the standard error is below `light_error` of the light or there are `max_light_rays`. Spots that
-  /// do not exist get none. A dark spot gets more than one round.
+  /// then more until the standard error is below `light_error` of the light or there are `max_light_rays`. A spot that
+  /// no light reaches gets up to 64. Spots that do not exist get none.
   void from_lamps(std::span<const LightSpot> spots, const TracerSettings& settings, std::span<LampLight> ret);
 
   /// Estimates all other light from `rays` scattered rays per spot. Where the rays arrive, they use the scene's present

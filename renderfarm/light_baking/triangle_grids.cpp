@@ -15,7 +15,7 @@ namespace {
 using light::TriangleGrid;
 using render::Vec3;
 
-/// Fraction of the nearest eye's distance that is assumed, because visitors may come closer than the sampled eyes.
+/// Factor on distances to the nearest eye, because visitors may come closer than the sampled eyes.
 constexpr double kNearer = 0.7;
 /// Minimum parts of a triangle on which light from other surfaces is assumed to vary.
 constexpr int kManyParts = 16;
@@ -29,7 +29,7 @@ constexpr int kMaxProbes = 6;
 /// evenly curved over that range, interpolation between vertices errs by an eighth of the range.
 constexpr float kSmoothRange = 0.08f;
 /// Smooth triangles with fewer visible parts are not probed: a shadow that falls between all vertices is as small as
-/// they are.
+/// the triangle.
 constexpr int kMinSmoothProbed = 8;
 /// A grid begins with 1/kStartShare of the parts that visitors could distinguish, up to kMaxStart.
 constexpr int kStartShare = 8;

@@ -10,7 +10,7 @@
 
 namespace cyclorama::light_baking {
 
-/// The light at a base sample, in two parts.
+/// The light at a base sample, divided by origin.
 struct PointLight {
   LampLight lamps;
   GatheredLight surfaces;
@@ -43,7 +43,7 @@ inline constexpr double kMinBlockedParts = 32.0;
 [[nodiscard]] double visible_parts(const render::Placement& placement, const SeenTriangle& seen,
                                    const BakeSettings& settings);
 
-/// The light at a point of a grid; only that of lamps until finished_grid().
+/// The light at a point of a grid; before finished_grid(), only that of lamps.
 struct ProbeLight {
   render::Vec3 light = render::Vec3::Zero();
   float error = 0.0f;  ///< Standard error of its luminance.

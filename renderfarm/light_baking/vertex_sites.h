@@ -32,7 +32,8 @@ std::size_t assign_sites(const render::Placement& placement, std::span<const Ver
 /// Returns the points of a sample with their cumulative weights; a sample without sites has one point.
 [[nodiscard]] LightSpot spot_of(const render::Placement& placement, const BaseSide& side, std::uint32_t sample);
 
-/// Increases the differences between vertices, which the distance of their sites has reduced. Light stays positive.
+/// Increases the differences of light between neighbouring vertices, which averaging over their sites has reduced.
+/// Light stays positive.
 void sharpen(const render::Placement& placement, BaseSide* side);
 
 }  // namespace cyclorama::light_baking

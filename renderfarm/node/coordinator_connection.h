@@ -40,7 +40,7 @@ class CoordinatorConnection {
 
   /// Stops reconnecting, and ends the stream once all rendered tiles have been sent.
   void finish();
-  /// Waits until the stream that finish() ends has ended; returns false at the deadline.
+  /// Waits until the stream has ended after finish(). Returns false at the deadline.
   bool wait_until_ended(TimePoint deadline);
   /// Ends the stream now and joins the threads. Idempotent.
   void stop();

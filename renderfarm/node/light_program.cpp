@@ -65,8 +65,8 @@ Status compute_light(const std::filesystem::path& scene, const std::filesystem::
 
 Status run_light_program(const std::filesystem::path& scene, const std::filesystem::path& file, int threads) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  // Without this, exceeding a limit on file size would end the process; with it, the error is reported as a full disk
-  // is.
+  // SIGXFSZ would end the process when it exceeds a limit on file size. If the signal is ignored, the write fails as on
+  // a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   give_way_to_all();
   double reported = -1.0;

@@ -33,7 +33,7 @@ struct VersionedLight {
 class LightVersions {
  public:
   void add(VersionedLight light);
-  /// Returns nothing if this version is not among them.
+  /// Returns nothing if there is no such version.
   [[nodiscard]] std::optional<VersionedLight> find(const std::string& version) const;
   [[nodiscard]] std::optional<VersionedLight> newest() const;
   /// Returns the memory that all versions take.

@@ -22,7 +22,8 @@ Result<FarmNodeOptions> read_node_config(const std::filesystem::path& path);
 /// Reads the same settings from a text; errors quote `name` as the file name.
 Result<FarmNodeOptions> parse_node_config(std::string_view text, const std::string& name);
 
-/// Fills in the host's name and the number of its threads where they are missing. Errors: kInvalidArgument if there is
+/// Fills in the host's name and number of threads where they are missing. Errors: kInvalidArgument if there is no
+/// coordinator.
 /// no coordinator.
 Result<FarmNodeOptions> complete(FarmNodeOptions options);
 

@@ -48,10 +48,10 @@ class RenderQueue {
  public:
   using TakesTiles = std::function<bool(LinkId)>;
 
-  /// Returns false if the link already has a block of this number, or too many blocks: its coordinator violates the
-  /// protocol.
+  /// Queues a block. Returns false if the link already has a block of this number, or too many blocks; its coordinator
+  /// then violates the protocol.
   bool add(std::shared_ptr<BlockOrder> order);
-  /// Ignores unknown numbers, because the block's end may already be on its way.
+  /// Cancels a block. Ignores unknown numbers, because the block's end may already be on its way.
   void cancel(LinkId link, std::uint64_t block);
   /// Records thread time that the node spent on a block. Ignores unknown numbers.
   void serve(LinkId link, std::uint64_t block, double cpu_seconds);
@@ -73,7 +73,7 @@ class RenderQueue {
   /// Rank on this node's scale, in cpu-microseconds, and order of arrival.
   using Turn = std::pair<double, std::uint64_t>;
   struct FlowName {
-    std::size_t work = 0;  ///< WorkClass.
+    std::size_t work = 0;  ///< A WorkClass.
     LinkId link = 0;
     std::uint64_t account = 0;
     friend auto operator<=>(const FlowName&, const FlowName&) = default;

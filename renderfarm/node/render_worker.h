@@ -53,7 +53,7 @@ class RenderWorker {
 
   // For the render thread only:
 
-  /// Waits for work; false once stopped.
+  /// Waits for work. Returns false once stopped.
   bool wait();
   /// Does one piece of work: at most a tile, or a block's end. The piece ends at the next cell when a block arrives
   /// that precedes it, or when its account has received as much service as another account that waits. Returns false if

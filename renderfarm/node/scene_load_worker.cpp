@@ -73,7 +73,7 @@ bool SceneLoadWorker::work() {
   if (next.order.has_use_light()) use_light(*next.link, next.order.use_light());
   if (next.order.has_send_light()) send_light(*next.link, next.order.send_light());
   loading_ = false;
-  // If the link was closed during the load, the store may have recorded its names since, so they are forgotten here.
+  // If the link was closed during the load, load() may have recorded its names afterwards, so they are forgotten again.
   if (next.link->is_closed()) scenes_.forget_link(next.link->id());
   if (report.has_scene_loaded()) send_report_(next.link->id(), std::move(report));
   return true;

@@ -248,7 +248,7 @@ void SceneStore::drop(Scenes::iterator scene, Leaving* ret_leaving) {
 }
 
 bool SceneStore::may_leave(const Scenes::value_type& scene) const {
-  if (scene.second.renderer.use_count() > 1) return false;  // A block that waits for the scene holds it.
+  if (scene.second.renderer.use_count() > 1) return false;  // Blocks that wait for the scene hold a pointer to it.
   return std::ranges::none_of(paths_, [&](const auto& entry) {
     const auto used = in_use_.find(entry.first.link);
     return entry.second == scene.first && used != in_use_.end() && used->second.contains(entry.first.scene);

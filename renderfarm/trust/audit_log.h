@@ -41,7 +41,7 @@ struct AuditEvent {
 ///
 /// Each line is written with one call to a file opened for appending, so neither a crash of the coordinator nor a full
 /// disk leaves a partial line. If the file was moved away (logrotate), the next line begins a new file. A file that
-/// would exceed its limit is renamed to PATH.1, replacing the previous PATH.1, so both take at most twice the limit.
+/// would exceed its limit is renamed to PATH.1, replacing the previous PATH.1, so the two take at most twice the limit.
 /// Lines survive a power cut after about a second: the thread `audit` calls fdatasync at most twice a second, so that
 /// writers need not wait for the disk. Thread-safe.
 class AuditLog {

@@ -105,7 +105,7 @@ class Gatekeeper {
   };
   Gatekeeper(TrustOptions options, const Clock& clock, Notice notice);
   Status read_files();
-  /// Each of the next two returns true if something new was read.
+  /// The next two return true if something new was read.
   Result<bool> read_grants();
   Result<bool> read_revocations();
   [[nodiscard]] std::optional<std::string> why_leave(const Session& session) const;

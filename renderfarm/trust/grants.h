@@ -43,7 +43,7 @@ struct Grant {
 ///   sessions = 4                     # Simultaneous sessions. Default: 4.
 ///   megabytes_per_s = 20             # Default: not limited. From 0.1.
 ///   cores = 16                       # Default: no quota. From 0.1. Beyond it, the museum gets what others leave.
-///   megapixels_per_s = 60            # Default: no quota. From 0.01. A quota of requested pictures, as `cores`.
+///   megapixels_per_s = 60            # Default: no quota. From 0.01. Like `cores`, but for requested pictures.
 ///   samples = 256                    # Default: 4096. From 1. Views with more samples are refused.
 ///   bounces = 16                     # Default: 64. From 0. Views with more bounces are refused.
 ///   free_eye = true                  # Default: false, and views from where no visitor could be are refused.

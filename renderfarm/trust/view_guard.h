@@ -32,7 +32,7 @@ class ViewGuard {
   static constexpr double kMarginM = 0.3;
   static constexpr double kHeightM = 1.0;          ///< Maximum distance above and below the start and the stops.
   static constexpr double kPaceMPerS = 2.0;        ///< Twice a tour's limit; multiplied by the scene's walking scale.
-  static constexpr double kPaceReserveM = 4.0;     ///< May be covered at once after a rest; multiplied likewise.
+  static constexpr double kPaceReserveM = 4.0;     ///< Distance that a rest permits at once; multiplied likewise.
   static constexpr double kMaxEyeDistanceM = 1.0;  ///< Maximum distance between two eyes, as in installation.toml.
   static constexpr double kMaxPxPerRad = 20000.0;  ///< A 4K panel seen from 5 m; an eye resolves about 3400.
 

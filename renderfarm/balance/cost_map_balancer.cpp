@@ -16,8 +16,7 @@ namespace {
 constexpr double kMinPieceWork = 4.0;
 /// Minimum gain, as a share of the frame's time, before a piece moves to another node.
 constexpr double kMinMoveGain = 0.005;
-/// Number of smaller sets of nodes that are tried. Cuts are on a grid, so one more node may yield a worse cut than one
-/// less.
+/// Number of smaller sets of nodes that are tried. Cuts are on a grid, so cuts for a smaller set may be better.
 constexpr int kMaxTries = 8;
 
 double usable(double seconds) { return std::isfinite(seconds) ? std::max(seconds, 0.0) : 0.0; }

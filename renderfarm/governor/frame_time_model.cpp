@@ -20,7 +20,7 @@ constexpr double kMaxNoise = 0.3;
 /// Ratio of the standard deviation to the mean absolute difference of two independent normal values: sqrt(pi) / 2.
 constexpr double kSdPerChange = 0.8862;
 constexpr double kOutlierSds = 3.5;
-/// The cumulative sum test in standard deviations, such that two outliers in a row are a jump and one is not.
+/// Parameters of the cumulative sum test, in standard deviations: two outliers in a row are a jump, and one is not.
 constexpr double kCusumSlack = 0.75;
 constexpr double kCusumLimit = 5.4;
 /// Share of a jump that the fixed time may explain; a scene's cost jumps more often than a network's time.

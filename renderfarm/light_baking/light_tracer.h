@@ -50,7 +50,7 @@ class LightTracer {
 
   /// Sets 1 for each pair of points with nothing between them, and 0 for other pairs.
   void find_visible(std::span<const std::array<render::Vec3, 2>> pairs, std::span<std::uint8_t> ret);
-  /// Sets, for each pair, the fraction of the way from its first point to its second that is free.
+  /// Sets, for each pair, the unobstructed fraction of the line from its first point to its second.
   void find_free_share(std::span<const std::array<render::Vec3, 2>> pairs, std::span<float> ret);
 
  private:

@@ -12,8 +12,8 @@ using render::Vec3;
 
 /// Weight of a site's own corner: the mean of the corner's barycentric weight over the triangle, weighted by itself.
 constexpr float kOwnCorner = 0.5f;
-/// A moved site keeps this fraction of the free way as its distance from the obstacle; its weight is multiplied by
-/// kMovedWeight.
+/// A moved site keeps this fraction of the unobstructed line as its distance from the obstacle; its weight is
+/// multiplied by kMovedWeight.
 constexpr float kClearance = 0.1f;
 constexpr float kMovedWeight = 1e-6f;
 

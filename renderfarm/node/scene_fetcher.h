@@ -29,10 +29,10 @@ class SceneFetcher {
   /// scenes that are not distributed.
   [[nodiscard]] std::optional<scene_distribution::SceneCache::Held> found_before(const wire::LoadScene& order) const;
 
-  /// Finds the scene of an order. `coordinator` is the connection for files, which should be separate from that for
-  /// work; null if the coordinator distributes nothing. `report_progress` receives sentences for the operator.
-  /// `cancelled` is called often, also from another thread. While the coordinator is unreachable or busy, the call
-  /// retries until cancelled. Blocks.
+  /// Finds the scene of an order. `coordinator` is the connection for files; null if the coordinator distributes
+  /// nothing. It should not be the connection for work, so that frames need not wait for files. `report_progress`
+  /// receives sentences for the operator. `cancelled` is called often, also from another thread. While the coordinator
+  /// is unreachable or busy, the call retries until cancelled. Blocks.
   ///
   /// Errors: kUnavailable if cancelled; otherwise those of SceneCache::bring(), or the coordinator's error. Each is a
   /// sentence with scene, file and remedy.

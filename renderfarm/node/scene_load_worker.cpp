@@ -142,7 +142,7 @@ Result<VersionedLight> SceneLoadWorker::light_of(const NodeLink& link, const wir
 
 void SceneLoadWorker::use_light(const NodeLink& link, const wire::UseLight& order) {
   const std::shared_ptr<BlockRenderer> renderer = scenes_.find(link.id(), order.scene());
-  if (renderer == nullptr) return;  // The scene was dropped, and the coordinator has the report.
+  if (renderer == nullptr) return;  // The scene was dropped, which was reported to the coordinator.
   set_state(fmt::format("fetching the light of scene '{}'", printable(order.scene())));
   const Result<VersionedLight> light = light_of(link, order, *renderer);
   for (auto& [to, sent] : scenes_.light_reports(scenes_.path_of(link.id(), order.scene()), light)) {
@@ -158,7 +158,7 @@ void SceneLoadWorker::send_light(const NodeLink& link, const wire::SendLight& or
   const std::shared_ptr<BlockRenderer> renderer = scenes_.find(link.id(), order.scene());
   if (renderer == nullptr || renderer->light_versions() == nullptr || link.files() == nullptr) return;
   const auto light = renderer->light_versions()->find(order.light().version());
-  if (!light) return;  // A newer version replaced this one, and the coordinator has the report.
+  if (!light) return;  // A newer version replaced this one, which was reported to the coordinator.
   const std::function<bool()> cancelled = [&] { return link.is_closed() || is_stopping(); };
   const Status sent =
       CoordinatorFiles(link.files(), cancelled).store_light(light->version, light::light_file_bytes(*light->store));

@@ -11,8 +11,8 @@ namespace {
 
 /// Seconds per pixel before anything is measured: one or two samples on one core.
 constexpr double kFirstGuess = 1e-6;
-/// Lower bound of a cell's cost relative to the mean: a cell that cost nothing must not grow over the picture in the
-/// next frame.
+/// Lower bound of a cell's cost relative to the mean; if cells could cost nothing, a block could grow over any number
+/// of them.
 constexpr double kMinRelativeCost = 0.01;
 constexpr double kStill_m = 1e-4;
 
@@ -35,7 +35,8 @@ void to_cost_per_px(WorkGrid* work, double factor) {
   }
 }
 
-/// Linear interpolation between the centres of cells, for a position given in cells from the edge.
+/// The two cells whose centres are on both sides of a position, for linear interpolation. Positions are in cells from
+/// the edge.
 struct Between {
   int first = 0;
   int second = 0;
@@ -47,7 +48,7 @@ Between between(double place, int cells) {
   return {first, std::min(first + 1, cells - 1), static_cast<float>(from - first)};
 }
 
-/// Raises each cell to at least kMinRelativeCost of the mean, including NaN; returns false if there is no cost at all.
+/// Raises each cell, NaN included, to at least kMinRelativeCost of the mean. Returns false if there is no cost at all.
 bool mend(WorkGrid* cost) {
   const double mean = cost->total() / static_cast<double>(cost->cells().size());
   if (!(mean > 0.0 && std::isfinite(mean))) return false;
@@ -61,7 +62,7 @@ int usable_stack(PictureSize size, int stacked) {
   return stacked > 1 && size.height % (stacked * kCutPx) == 0 ? stacked : 1;
 }
 
-/// Distributes `part` of each cell's cost evenly over itself and its neighbours in its own picture.
+/// Distributes `part` of each cell's cost evenly over the cell and its neighbours in the same stacked picture.
 WorkGrid spread(const WorkGrid& cost, double part, int stacked) {
   WorkGrid rows(cost.size());  // Sums of three cells along each row.
   const int last_x = cost.columns() - 1;
@@ -89,7 +90,7 @@ WorkGrid spread(const WorkGrid& cost, double part, int stacked) {
 double difference(const WorkGrid& a, const WorkGrid& b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.cells().size(); ++i) {
-    // Cells that were not measured are skipped.
+    // A cell that was not measured is skipped.
     if (std::isfinite(b.cells()[i])) sum += std::abs(a.cells()[i] - b.cells()[i]);
   }
   return sum;
@@ -107,7 +108,7 @@ double CostMap::turn_seen(const Place& at, double part) const {
 WorkGrid CostMap::moved(double fraction, PictureSize size, int stacked) const {
   if (fraction == 0.0 && size == cost_.size() && stacked == stacked_) return cost_;
   WorkGrid out(size);
-  // Centre of a cell of the new picture in the old one, in cells.
+  // Returns where the centre of a cell of the new picture is in the old one, in cells.
   const auto place = [](double px, int to, int from) { return px * from / to / kCutPx; };
   std::vector<Between> across;
   for (int x = 0; x < out.columns(); ++x) {
@@ -158,7 +159,7 @@ bool CostMap::moves_eye(const Place& at) const {
 void CostMap::watch_motion(const WorkGrid& measured, const Place& at, int stacked) {
   if (!options_.turns || !moves_eye(at) || turn_seen(at, 1.0) == 0.0) return;
   // Candidate fractions of the turn, from slightly against it (content nearer than the centre of an orbit) to more than
-  // it.
+  // the turn.
   constexpr double kParts[] = {-0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5};
   double best = part_of_turn_;
   double min = difference(moved(turn_seen(at, best), measured.size(), stacked), measured);
@@ -189,7 +190,7 @@ void CostMap::learn(const MeasuredFrame& frame) {
     known += cost;
     ++known_cells;
   }
-  if (!(known > 0.0)) return;  // No measurement, or only zeros: keep the map.
+  if (!(known > 0.0)) return;  // Without measurements, or with zeros only, the map is kept.
   if (is_known()) {
     watch_motion(measured, at, stacked);
   } else {

@@ -16,13 +16,12 @@ namespace {
 constexpr double kMinPieceWork = 4.0;
 /// Minimum gain, as a share of the frame's time, before a piece moves to another node.
 constexpr double kMinMoveGain = 0.005;
-/// Number of smaller sets of nodes that are tried. Cuts lie on a grid, so one more node may yield a worse cut than one
-/// less.
+/// Number of smaller sets of nodes that are tried. Cuts are on a grid, so cuts for a smaller set may be better.
 constexpr int kMaxTries = 8;
 
 double usable(double seconds) { return std::isfinite(seconds) ? std::max(seconds, 0.0) : 0.0; }
 
-/// Blocks by node, and the predicted time at which the last of them is done.
+/// Blocks by node, and the predicted time at which the last block is done.
 struct Plan {
   std::vector<std::vector<PlannedBlock>> blocks;
   double seconds = 0.0;
@@ -37,7 +36,7 @@ class CostMapBalancer final : public Balancer {
     const double total = work.of(work.whole());
     block_overhead_ = usable(request.block_overhead_seconds);
     stealing_ = options_.stealing && !request.whole_blocks;
-    // While costs are unknown, they may justify any number of nodes.
+    // While costs are unknown, they may be high enough for any number of nodes.
     node_overhead_ = map_.is_known() ? usable(request.node_overhead_seconds) : 0.0;
     const std::vector<double> speeds = usable_speeds(request.speeds);
     const std::vector<std::size_t> fastest = nodes_that_help(speeds, total, work.whole().count(), node_overhead_);
@@ -101,7 +100,7 @@ class CostMapBalancer final : public Balancer {
     return plan;
   }
 
-  /// `min_gain` is the minimum expected saving, in seconds, before a piece moves to another node.
+  /// Moves pieces between nodes (levelling.h). `min_gain` is the minimum saving in seconds for which a piece is moved.
   void level_out(Plan* plan, const std::vector<std::size_t>& nodes, const std::vector<double>& speeds,
                  double min_gain) const {
     std::vector<NodeQueue> queues;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The cost-map strategy: predicts the cost of each cell (cost_map.h), chooses the cuts for which the slowest node is
-/// done first (cut_search.h), and makes the last of each node's work stealable (stealing.h).
+/// The cost-map strategy: predicts the cost of each cell (cost_map.h), searches for the cuts with which the slowest
+/// node is done earliest (cut_search.h), and makes the last part of each node's work stealable (stealing.h).
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@ namespace cyclorama::balance {
 struct CostMapBalancerOptions {
   bool stealing = true;
   CostMapOptions map{};
-  /// Shares of a node's work: first what it keeps, then its stealable pieces, of decreasing size.
+  /// Shares of a node's work: first the share that the node keeps, then its stealable pieces, of decreasing size.
   std::vector<double> shares{0.80, 0.10, 0.06, 0.04};
 };
 

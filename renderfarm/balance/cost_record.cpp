@@ -26,7 +26,7 @@ constexpr std::size_t kFixedBytes = 2 * sizeof(std::uint32_t) + 6 * sizeof(doubl
 
 bool is_work(float work) { return std::isfinite(work) && work >= 0.0f; }
 
-/// Returns the defect of a frame, or null.
+/// Returns a description of the frame's defect; null if it has none.
 const char* fault_of(const RecordedFrame& frame) {
   const PictureSize size = frame.work.size();
   if (size.width < 1 || size.height < 1 || size.width > kMaxSidePx || size.height > kMaxSidePx) {
@@ -40,7 +40,7 @@ const char* fault_of(const RecordedFrame& frame) {
   return nullptr;
 }
 
-/// Reads values from the front. Precondition: there are enough bytes.
+/// Reads values from the front of a span. Precondition of take(): enough bytes are left.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : left_(bytes) {}
@@ -61,7 +61,7 @@ class Reader {
   std::span<const std::byte> left_;
 };
 
-/// Parses `bytes`, which are all of the frame after its length. Returns a defect, or null.
+/// Parses a frame from `bytes`, which follow its length. Returns a description of its defect; nothing if it has none.
 std::optional<const char*> parse_frame(std::span<const std::byte> bytes, RecordedFrame* ret) {
   if (bytes.size() < kFixedBytes) return "it is too short";
   Reader reader(bytes);
@@ -73,7 +73,7 @@ std::optional<const char*> parse_frame(std::span<const std::byte> bytes, Recorde
   ret->azimuth_span_rad = reader.take<double>();
   for (double& v : ret->eye_m) v = reader.take<double>();
   ret->effort = reader.take<double>();
-  // Checked before memory is allocated for them.
+  // The number of cells is checked before memory is allocated for them.
   const auto cells = static_cast<std::size_t>(cells_in(static_cast<int>(width))) *
                      static_cast<std::size_t>(cells_in(static_cast<int>(height)));
   if (reader.left() != cells * sizeof(float)) return "its length does not fit its picture";
@@ -171,7 +171,7 @@ Status CostRecorder::write(std::span<const std::byte> bytes) {
     written_ += bytes.size();
     return Done{};
   }
-  // A partial frame would make all that follows unreadable.
+  // A partial frame would make everything after it unreadable.
   if (::ftruncate(fd_.get(), static_cast<off_t>(written_)) != 0) {
     return Error::from_errno(fmt::format("removing half a frame from '{}'", path_.string()));
   }

@@ -9,10 +9,10 @@
 namespace cyclorama::balance {
 namespace {
 
-/// Additional cost per unit of aspect ratio: longer borders, which JPEG and the caches pay for.
+/// Additional cost per unit of aspect ratio, because long borders cost more in JPEG and caches.
 constexpr double kPerAspect = 0.01;
 constexpr double kFreeAspect = 2.0;
-/// Number of further forks, with their own best cuts, that are evaluated for a cut.
+/// Number of forks below a cut that are evaluated with their best cuts.
 constexpr int kForksAhead = 1;
 
 using Speeds = std::span<const double>;
@@ -50,7 +50,7 @@ class CutSearch {
   }
 
  private:
-  /// Precondition: at least two nodes and two cells.
+  /// Precondition: there are at least two nodes and two cells.
   [[nodiscard]] Cut best_cut(const CellRect& region, Speeds speeds, int forks_ahead) const {
     const Speeds first = speeds.first(speeds.size() / 2);
     const Speeds second = speeds.subspan(first.size());
@@ -66,7 +66,7 @@ class CutSearch {
         if (at < 1) continue;
         const CellRect before = before_cut(region, d, at);
         const double work = work_.of(before);
-        // No cuts inside the parts can be faster than this.
+        // No cuts inside the parts can be faster than this bound.
         if (std::max(work / first_speed, (all - work) / second_speed) >= best.seconds) continue;
         const double seconds_before = seconds(before, first, forks_ahead);
         if (seconds_before >= best.seconds) continue;
@@ -77,7 +77,7 @@ class CutSearch {
     return best;
   }
 
-  /// Returns the time until the last of these nodes is done with the region.
+  /// Returns the time until the last of the nodes is done with the region.
   [[nodiscard]] double seconds(const CellRect& region, Speeds speeds, int forks_ahead) const {
     if (speeds.size() == 1 || region.count() == 1 || forks_ahead == 0) {
       return stretched(region) * work_.of(region) / sum_of(speeds);

@@ -9,9 +9,8 @@
 namespace cyclorama::balance {
 namespace {
 
-/// A fork changes direction when its region has become this much longer the other way. A value of at most 2 keeps a
-/// block's border, and with it its JPEG overhead and its share of foreign detail, near those of a square; the margin
-/// prevents jumps.
+/// Aspect ratio of a region beyond which its fork changes direction. A value of at most 2 keeps a block's border, and
+/// thus its JPEG overhead and its share of foreign detail, close to those of a square; the margin prevents jumps.
 constexpr double kTurnAtAspect = 2.0;
 
 }  // namespace
@@ -44,14 +43,14 @@ void SplitTree::split(CellRect region, const WorkSums& work, std::span<const dou
   }
   const CutDirection d = direction_for(region, fork);
   const int length = length_of(region, d);
-  const std::size_t row = region.count() / static_cast<std::size_t>(length);  // Cells in one step of the cut.
+  const std::size_t row = region.count() / static_cast<std::size_t>(length);  // Number of cells in one step of the cut.
   std::size_t left = speeds.size() / 2;
   const double left_speed = std::accumulate(speeds.begin(), speeds.begin() + static_cast<std::ptrdiff_t>(left), 0.0);
   const double share = left_speed / std::accumulate(speeds.begin(), speeds.end(), 0.0);
   int cut = nearest_cut(work, region, d, share * work.of(region));
 
-  // Every leaf must get a cell. In a picture with almost as many leaves as cells, leaves change sides if no cut
-  // suffices.
+  // Every leaf must get a cell. In a picture with almost as many leaves as cells, leaves move to the other side if no
+  // cut suffices.
   const auto steps_for = [&](std::size_t leaves) { return static_cast<int>((leaves + row - 1) / row); };
   const int min = std::min(steps_for(left), length - 1);
   const int max = std::max(length - steps_for(speeds.size() - left), 1);

@@ -9,9 +9,9 @@
 
 namespace cyclorama::balance {
 
-/// A balanced binary tree over the leaves, with a direction of cut at each fork. Splitting places the cuts such that at
-/// every fork the work is divided in proportion to the speeds of the leaves. A fork keeps its direction from frame to
-/// frame while the region's shape allows it, so that blocks do not jump.
+/// A balanced binary tree over the leaves, with a direction of cut at each fork. split() places each cut such that the
+/// work is divided in proportion to the speeds of the leaves on its sides. A fork keeps its direction from frame to
+/// frame as long as the region's shape allows it, so that blocks stay in place.
 ///
 /// Source: Cordasco, Cosenza, De Chiara, Erra, Scarano, "Experiences with mesh-like computations using prediction
 /// binary trees", 2009. Thread-bound.
@@ -20,7 +20,7 @@ class SplitTree {
   explicit SplitTree(std::size_t leaves) : cuts_(2 * leaves) {}
 
   /// Returns one rectangle per entry of `speeds` (all above 0); together they tile the picture exactly. Some are empty
-  /// if the picture has fewer cells than leaves. Precondition: as many speeds as leaves.
+  /// if the picture has fewer cells than leaves. Precondition: there are as many speeds as leaves.
   std::vector<CellRect> split(const WorkSums& work, std::span<const double> speeds);
 
  private:
@@ -32,7 +32,7 @@ class SplitTree {
              std::span<CellRect> ret_blocks);
   CutDirection direction_for(const CellRect& region, std::size_t fork);
 
-  std::vector<Fork> cuts_;  ///< In depth-first order, left first.
+  std::vector<Fork> cuts_;  ///< Forks in depth-first order, left first.
 };
 
 }  // namespace cyclorama::balance

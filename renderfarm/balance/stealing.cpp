@@ -12,11 +12,11 @@ constexpr double kMinSpeed = 1e-9;
 double usable(double value) { return std::isfinite(value) ? std::max(value, 0.0) : 0.0; }
 double usable_speed(double speed) { return std::max(usable(speed), kMinSpeed); }
 
-/// Returns the ratio of elapsed to predicted time of the first block; 1 while it is on time.
+/// Returns the elapsed time of the first block over its predicted time; 1 while it is on time.
 double lateness(const NodeQueue& node) {
   if (node.blocks.empty()) return 1.0;
   const double predicted = usable(node.blocks.front().work) / usable_speed(node.speed);
-  // A block without predicted cost gives no information about its node.
+  // A block without a predicted cost gives no information about its node.
   return predicted > 0.0 ? std::max(1.0, usable(node.elapsed_seconds) / predicted) : 1.0;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Divides a block into JPEG tiles: the node cuts by it, and the coordinator derives from it which tiles are missing.
+/// Divides a block into JPEG tiles. A node cuts the block into these tiles, and the coordinator derives which of them
+/// are missing.
 #pragma once
 
 #include <vector>
@@ -9,11 +10,11 @@
 
 namespace cyclorama::balance {
 
-/// Measured with `./bench.sh jpeg`: smaller tiles cost bytes, larger ones arrive later.
+/// Chosen by `./bench.sh jpeg`: smaller tiles cost bytes, larger tiles arrive later.
 inline constexpr int kMaxTilePx = 256;
 
 /// Returns tiles of nearly equal size that cover the block exactly, row by row from the top; none for an empty block.
-/// Cuts lie at multiples of kCutPx from the block's corner. A tile, divided again, yields itself.
+/// Cuts are at multiples of kCutPx from the block's corner. Dividing a tile again yields the tile itself.
 [[nodiscard]] std::vector<PixelRect> tiles_of(const PixelRect& block);
 
 }  // namespace cyclorama::balance

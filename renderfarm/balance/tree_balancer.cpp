@@ -8,7 +8,7 @@
 namespace cyclorama::balance {
 namespace {
 
-/// Returns the blocks; leaf i belongs to node i % nodes.
+/// Returns the blocks. Leaf i belongs to node i % nodes.
 std::vector<PlannedBlock> planned(const std::vector<CellRect>& leaves, std::size_t nodes, const WorkSums& work,
                                   bool work_is_known) {
   std::vector<PlannedBlock> blocks;

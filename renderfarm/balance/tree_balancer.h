@@ -11,8 +11,8 @@ namespace cyclorama::balance {
 inline constexpr std::size_t kLeavesPerNode = 4;
 
 [[nodiscard]] std::unique_ptr<Balancer> make_equal_balancer();
-/// Assumes that a block's last measured time is distributed evenly over its pixels. With several leaves, each node has
-/// blocks in several parts of the picture.
+/// Returns a balancer that assumes that a block's last measured time is evenly distributed over its pixels. With
+/// several leaves per node, each node has blocks in several parts of the picture.
 [[nodiscard]] std::unique_ptr<Balancer> make_pbt_balancer(std::size_t leaves_per_node);
 
 }  // namespace cyclorama::balance

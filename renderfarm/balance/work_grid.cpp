@@ -25,7 +25,7 @@ bool has_cell_times(const MeasuredBlock& block, const CellRect& cells) {
          std::ranges::all_of(block.cell_cpu_seconds, [](float s) { return is_measurement(s); });
 }
 
-/// Distributes `amount` in proportion to `weight` and calls `take(x, y, share)` for each cell.
+/// Distributes `amount` over the cells in proportion to `weight`. Calls `take(x, y, share)` for each cell.
 template <typename Weight, typename Take>
 void spread(const CellRect& cells, double amount, Weight weight, Take take) {
   double sum = 0.0;
@@ -38,7 +38,7 @@ void spread(const CellRect& cells, double amount, Weight weight, Take take) {
   }
 }
 
-/// Clamps a time such that a sum of many fits into float.
+/// Clamps a time such that a sum of many times fits into a float.
 float as_work(double seconds) { return static_cast<float>(std::clamp(seconds, 0.0, 1e12)); }
 
 void add(const MeasuredBlock& block, CellTimes times, const WorkGrid* prior, WorkGrid* ret) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Measured or expected cost of each part of a picture, in cells of kCutPx, in which nodes measure and the balancer
-/// cuts. Finer cells would not help, because no cut lies inside a cell.
+/// Measured or expected cost of the parts of a picture, in cells of kCutPx pixels. Nodes measure and the balancer cuts
+/// in these cells. Finer cells would not help, because no cut is inside a cell.
 #pragma once
 
 #include <span>
@@ -16,16 +16,16 @@ struct PictureSize {
   friend bool operator==(const PictureSize&, const PictureSize&) = default;
 };
 
-/// A block and its cost: thread time in seconds.
+/// A block and its cost as thread time in seconds.
 struct MeasuredBlock {
   PixelRect rect;
   double cpu_seconds = 0.0;
-  /// For each kCutPx cell of the picture's grid that the rect touches, row by row; empty if the node did not report it.
+  /// Cost of each cell of the picture's grid that the rect touches, row by row; empty if the node did not report it.
   std::vector<float> cell_cpu_seconds{};
   double speed = 1.0;  ///< Speed of one thread of the node that rendered it.
 };
 
-/// A rectangle of cells; the last column and row of a picture may be narrower than the others.
+/// A rectangle of cells. The last column and row of a picture may be narrower than the others.
 struct CellRect {
   int x = 0;
   int y = 0;
@@ -58,9 +58,9 @@ class WorkGrid {
   [[nodiscard]] CellRect whole() const { return {0, 0, columns_, rows_}; }
   [[nodiscard]] float& at(int x, int y) { return work_[index(x, y)]; }
   [[nodiscard]] float at(int x, int y) const { return work_[index(x, y)]; }
-  [[nodiscard]] std::span<float> cells() { return work_; }  ///< Row by row.
+  [[nodiscard]] std::span<float> cells() { return work_; }  ///< Cells row by row.
   [[nodiscard]] std::span<const float> cells() const { return work_; }
-  /// Size in pixels; the last column and row may be narrower.
+  /// Return the size of a column or row in pixels; the last one may be narrower than the others.
   [[nodiscard]] int width_px(int x) const;
   [[nodiscard]] int height_px(int y) const;
   [[nodiscard]] double total() const;
@@ -75,16 +75,18 @@ class WorkGrid {
   std::vector<float> work_;
 };
 
-/// Distribution of a block's time over its cells.
+/// Distribution of a block's time over its cells:
 enum class CellTimes {
-  /// Values that the node reported for each cell; if it reported none, by `prior`, or evenly if that is null.
+  /// Times from the node's report. If there is none, the block's time is shared in proportion to `prior`, or to area if
+  /// that is null.
   kMeasured,
-  kUniform,  ///< Evenly over its pixels, whatever the node reported: the rule of the prediction binary tree.
+  kUniform,  ///< Evenly over the pixels, whatever the node reported; the rule of the prediction binary tree.
 };
 
-/// Returns the work of each measured cell; other cells are NaN. A block's cells sum to the time of the whole block:
-/// time that no cell accounts for (such as coding) is distributed evenly. Blocks outside the picture or off the grid,
-/// and invalid times (NaN, infinite, negative), are ignored. `prior` has the picture's size.
+/// Returns the work of each measured cell; other cells are NaN. The cells of a block add up to the time of the whole
+/// block: time that the cells do not account for (such as coding) is distributed evenly. Blocks outside the picture or
+/// off the grid, and invalid times (NaN, infinite, negative), are ignored. Precondition: `prior` is null or has the
+/// picture's size.
 [[nodiscard]] WorkGrid work_of(PictureSize size, std::span<const MeasuredBlock> blocks, CellTimes times,
                                const WorkGrid* prior);
 

@@ -16,7 +16,7 @@ constexpr Duration kFirstRetry = std::chrono::milliseconds(100);
 constexpr Duration kMaxRetryDelay = std::chrono::seconds(2);
 }  // namespace
 
-/// One session's call. The farm thread reads from it, the views thread writes to it.
+/// The call of one session. The farm thread reads from it; the views thread writes to it.
 class FarmClient::Session {
  public:
   explicit Session(const std::shared_ptr<grpc::Channel>& channel)
@@ -75,7 +75,7 @@ void FarmClient::run() {
     const Error reason = session(channels_[coordinator], &opened);
     lose(std::move(Error(reason)).while_doing(options_.coordinators[coordinator]));
     if (opened) {
-      // The session had been open, so the same coordinator is tried first, after the shortest delay.
+      // The session was open, so the same coordinator is tried first, after the minimum delay.
       delay = kFirstRetry;
       coordinator = (coordinator + channels_.size() - 1) % channels_.size();
     }

@@ -14,7 +14,7 @@ namespace {
 constexpr auto kOfferDeadline = std::chrono::seconds(10);
 constexpr auto kReadDeadline = std::chrono::minutes(2);
 
-/// Maps a gRPC status; a coordinator without this service is too old for updates.
+/// Returns the error for a gRPC status. A coordinator without this service is too old for updates.
 Error said_by(const grpc::Status& status) {
   if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED) {
     return Error(ErrorCode::kNotFound, "this farm provides no updates");

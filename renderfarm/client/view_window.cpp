@@ -15,7 +15,7 @@ bool is_same_place(const wire::View& a, const wire::View& b) {
   return from_wire(a.eye_m()) == from_wire(b.eye_m()) && a.heading_rad() == b.heading_rad();
 }
 
-/// Checks that the farm's picture has the requested field for the same eyes; it may have fewer pixels.
+/// Checks that the farm's picture has the requested shape for the same eyes. It may have fewer pixels.
 Status check_shape(const Projection& asked, const Projection& begun) {
   const bool fits = begun.width_px() <= asked.width_px() && begun.height_px() <= asked.height_px() &&
                     begun.viewing == asked.viewing &&
@@ -82,7 +82,7 @@ Status ViewWindow::accept(const wire::Tile& tile) {
   }
   if (const Status fits = validate(tile, open_->width_px(), open_->height_px()); !fits)
     return broken("sent a " + fits.error().message());
-  const auto px = [](std::uint32_t value) { return static_cast<int>(value); };  // The values lie inside the picture.
+  const auto px = [](std::uint32_t value) { return static_cast<int>(value); };  // The values are inside the picture.
   if (!covered_.cover(px(tile.x_px()), px(tile.y_px()), px(tile.width_px()), px(tile.height_px()))) {
     return broken(fmt::format("sent a tile at ({}, {}) over another", tile.x_px(), tile.y_px()));
   }

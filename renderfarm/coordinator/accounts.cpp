@@ -14,7 +14,7 @@ std::size_t index_of(WorkClass work) { return static_cast<std::size_t>(work); }
 
 Rank Accounts::Turn::rank() const {
   constexpr double kPerSecond = 1e6;
-  constexpr double kMaxPosition = 4e18;  // Below Rank::kPerClass; a hundred thousand years of cpu time.
+  constexpr double kMaxPosition = 4e18;  // Below Rank::kPerClass; equals 127,000 years of cpu time.
   return {work, static_cast<std::uint64_t>(std::clamp(start * kPerSecond, 0.0, kMaxPosition))};
 }
 
@@ -51,7 +51,8 @@ double Accounts::floor_of(std::size_t work) const {
   for (const auto& [id, account] : accounts_) {
     if (account.sessions > 0) weights += account.terms.weight;
     const Flow& flow = account.flows[work];
-    // Less the frames in flight, so that a frame larger than the credit costs nobody what is due.
+    // Predicted costs of frames in flight are subtracted, so that a frame larger than the credit takes nothing from the
+    // others' shares.
     if (flow.frames > 0) lead = std::max(lead, flow.time - flow.reserved / account.terms.weight);
   }
   return lead - (weights > 0.0 ? kCreditSeconds * threads_ / weights : 0.0);
@@ -59,7 +60,7 @@ double Accounts::floor_of(std::size_t work) const {
 
 Accounts::Turn Accounts::begin(AccountId id, const Demand& demand, TimePoint now) {
   Account& account = accounts_.at(id);
-  // The farm itself requests the pictures that refine one at rest.
+  // Pictures that refine a picture at rest do not count, because the farm itself requests them.
   if (!demand.at_rest) account.megapixels.take(demand.megapixels, now);
   const WorkClass wanted = demand.at_rest ? WorkClass::kAtRest : WorkClass::kMoving;
   Turn turn{is_over_quota(id, now) ? WorkClass::kSpare : wanted, 0.0, demand.cpu_seconds};
@@ -77,7 +78,7 @@ void Accounts::end(AccountId id, const Turn& turn) {
   Flow& flow = found->second.flows[index_of(turn.work)];
   flow.reserved = std::max(0.0, flow.reserved - turn.reserved);
   if (flow.frames > 0) --flow.frames;
-  if (flow.frames == 0) flow.reserved = 0.0;  // Without the sums' rounding errors.
+  if (flow.frames == 0) flow.reserved = 0.0;  // Removes the rounding errors of the sums.
 }
 
 void Accounts::charge(AccountId id, WorkClass work, double cpu_seconds, TimePoint now) {

@@ -13,69 +13,70 @@
 
 namespace cyclorama::coordinator {
 
-/// Shares the farm among museums. Each museum has one account, whatever the number of its sessions, and every block
-/// that a node ends is charged to it, also those of frames that were given up.
+/// Shares the farm among museums. Each museum has one account, whatever the number of its sessions. Every block that a
+/// node ends is charged to the account, including blocks of frames that were given up.
 ///
-/// The order is that of start-time fair queueing (Goyal, Vin, Cheng, "Start-time Fair Queuing", 1996) on the service
-/// that was really received: an account's virtual time grows by its cpu-seconds over its weight, and the account whose
-/// virtual time is lowest is served first. Predicted costs only order the frames of one account among each other.
+/// The order is that of start-time fair queueing (Goyal, Vin, Cheng, "Start-time Fair Queuing", 1996), computed from
+/// measured service: an account's virtual time grows by its cpu-seconds over its weight, and the account whose virtual
+/// time is lowest is served first. Predicted costs only order the frames within one account.
 ///
-/// An account that took less than the others may catch up with a bounded amount: kCreditSeconds of its share. So a museum
-/// within its share does not wait for one that takes all it can get, and nobody saves up more by being away.
+/// An account that received less than the others may catch up by a bounded amount, kCreditSeconds of its share. Thus a
+/// museum within its share does not wait for one that takes all it can get, and idle museums do not save up more.
 ///
-/// An account that used up its quota is served after all others (WorkClass::kSpare), so it still has an idle farm for
-/// itself. Each class of work has a virtual time of its own. Pure; thread-bound.
+/// An account that has used up its quota is served after all others (WorkClass::kSpare); an otherwise idle farm still
+/// serves it at full speed. Each class of work has a separate virtual time. Pure; thread-bound.
 class Accounts {
  public:
   struct Terms {
     double weight = 1.0;                 ///< Must be above 0.
     double cores = 0.0;                  ///< Cpu-seconds per second; 0: no quota.
-    double megapixels_per_second = 0.0;  ///< Requested megapixels; 0: no quota.
+    double megapixels_per_second = 0.0;  ///< Requested megapixels per second; 0: no quota.
   };
   struct Demand {
     bool at_rest = false;
-    double cpu_seconds = 0.0;  ///< Predicted; above 0.
+    double cpu_seconds = 0.0;  ///< Predicted cost; above 0.
     double megapixels = 0.0;
   };
   /// Position of a frame in the order.
   struct Turn {
     WorkClass work = WorkClass::kMoving;
     double start = 0.0;     ///< Virtual time.
-    double reserved = 0.0;  ///< Demand::cpu_seconds.
+    double reserved = 0.0;  ///< See Demand::cpu_seconds.
     [[nodiscard]] Rank rank() const;
   };
 
   /// Opens the museum's account for one more session. Without a name, which only a farm without certificates permits,
-  /// each session has an account of its own. The terms replace earlier ones.
+  /// each session has a separate account. The terms replace earlier ones.
   AccountId open(const std::string& museum, const Terms& terms);
-  /// A session of the account has ended.
+  /// Records that a session of the account has ended.
   void close(AccountId account);
 
-  /// Gives a frame its place in the order. end() must follow, unless the account's last session is closed.
+  /// Determines a frame's position in the order. end() must follow, unless the account's last session is closed.
   [[nodiscard]] Turn begin(AccountId account, const Demand& demand, TimePoint now);
-  /// The frame is over; blocks of it may still be charged later.
+  /// Records that the frame is over. Its blocks may still be charged later.
   void end(AccountId account, const Turn& turn);
-  /// A node has spent this time for the account. Ignored for an account without a name whose session is closed.
+  /// Charges the account for time that a node has spent. Ignored for an account without a name whose session is closed.
   void charge(AccountId account, WorkClass work, double cpu_seconds, TimePoint now);
 
   /// Sets the number of threads of all nodes, which determines how much an account may catch up.
   void set_threads(double threads) { threads_ = threads; }
   [[nodiscard]] bool is_over_quota(AccountId account, TimePoint now) const;
   [[nodiscard]] double weight(AccountId account) const;
-  /// Cpu-seconds charged since the account was first opened; 0 for an unknown one.
+  /// Returns the cpu-seconds charged since the account was first opened; 0 for an unknown account.
   [[nodiscard]] double charged_seconds(AccountId account) const;
 
-  /// Time of its share of the farm that an account may catch up with.
+  /// Seconds of its share of the farm by which an account may catch up.
   static constexpr double kCreditSeconds = 1.0;
-  /// A quota may be exceeded by what it allows in this time, before the account's work counts as spare.
+  /// Burst that a quota permits: the amount that it allows in this time may be used at once before work counts as
+  /// spare.
   static constexpr double kQuotaBurstSeconds = 2.0;
 
  private:
-  /// An account's work of one class.
+  /// The work of one account in one class.
   struct Flow {
     double time = 0.0;      ///< Virtual time.
     double reserved = 0.0;  ///< Predicted cpu-seconds of the frames in flight.
-    int frames = 0;         ///< In flight.
+    int frames = 0;         ///< Number of frames in flight.
   };
   struct Account {
     std::string museum{};
@@ -86,8 +87,8 @@ class Accounts {
     TokenBucket megapixels{0.0, 0.0};
     std::array<Flow, kWorkClasses> flows{};
   };
-  /// Returns the lowest virtual time that a frame may begin with: a credit less than the highest of those who have frames
-  /// in flight.
+  /// Returns the minimum virtual time at which a frame may begin: the highest of the accounts with frames in flight,
+  /// less the credit.
   [[nodiscard]] double floor_of(std::size_t work) const;
 
   double threads_ = 1.0;

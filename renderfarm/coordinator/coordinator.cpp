@@ -20,17 +20,18 @@ namespace cyclorama::coordinator {
 namespace {
 
 constexpr Duration kTick = std::chrono::milliseconds(100);
-/// Timeout for a stream that is ending to drain.
+/// Maximum time that a stream may take to drain when it ends.
 constexpr Duration kLinger = std::chrono::seconds(5);
 constexpr Duration kStopGrace = std::chrono::seconds(2);
 constexpr std::size_t kMaxSceneNameBytes = 64;
-/// Museums send only views, a few hundred bytes each; nodes send tiles.
+/// Limit for messages of museums. Museums send only views of a few hundred bytes each; nodes send tiles.
 constexpr int kMuseumMessageBytes = 64 << 10;
-/// Limits per connection: a museum has a session and lists scenes; a node has its stream and fetches files.
+/// Maximum number of calls per connection. A museum has a session and lists scenes; a node has its stream and fetches
+/// files.
 constexpr int kMuseumCalls = 16;
 constexpr int kNodeCalls = 32;
 
-/// A stream and, once it is ending, its deadline.
+/// A stream and, once it is ending, the deadline for its end.
 template <typename Stream>
 struct Open {
   std::shared_ptr<Stream> stream;
@@ -95,7 +96,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
   void stop() {
     events_.post(StopRequested{});
     files_.stop();
-    const TimePoint last = clock_.now() + kStopGrace;  // Shared deadline, since each server may have a hanging peer.
+    const TimePoint last = clock_.now() + kStopGrace;  // One deadline for all servers, any of which may hang.
     for (const auto& server : {museum_server_.get(), node_server_.get(), inspect_server_.get()}) {
       if (server != nullptr) server->stop(std::max(Duration::zero(), last - clock_.now()));
     }
@@ -117,7 +118,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
   void run() {
     TimePoint next_tick = clock_.now();
     for (bool open = true; open;) {
-      open = !events_.is_closed();  // Read first, so that events posted before the closing are still handled.
+      open = !events_.is_closed();  // Read first, so that events posted before the queue is closed are still handled.
       TimePoint wake = stopping_ ? next_tick : std::min(next_tick, state_.next_deadline());
       if (!held_.empty()) wake = std::min(wake, held_.begin()->first);
       for (Event& event : events_.take_all(wake)) {
@@ -159,7 +160,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
     end_session(SessionId{e.id}, bearable.error(), true);
   }
 
-  /// Passes on held notifications of museums with a byte limit, once the limit permits the next frame.
+  /// Passes on the held notifications of museums with a byte limit once the limit permits the next frame.
   void release(TimePoint now) {
     while (!held_.empty() && held_.begin()->first <= now) {
       ReplyWritten reply_written = std::move(held_.begin()->second);
@@ -200,7 +201,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
   void handle(NodeMessage& e) {
     cause_at_ = e.at;
     if (const std::string& name = node_names_[e.id]; e.report.has_hello() && !name.empty()) {
-      // The certificate identifies the node; the name it reports helps where several hosts share a certificate.
+      // The certificate identifies the node; the reported name distinguishes hosts that share a certificate.
       std::string* const said = e.report.mutable_hello()->mutable_name();
       *said = said->empty() || *said == name ? name : name + "/" + *said;
     }
@@ -304,7 +305,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
 
   const CoordinatorOptions options_;
   const Notice notice_;
-  /// Logs a sentence about no particular peer.
+  /// Logs a sentence that concerns no particular peer.
   const std::function<void(const std::string&)> say_ = [this](const std::string& sentence) { notice_(sentence, {}); };
   const SteadyClock clock_;
   Events events_;

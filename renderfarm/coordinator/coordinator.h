@@ -20,10 +20,10 @@
 
 namespace cyclorama::coordinator {
 
-/// Settings for distributing scenes to nodes that have no copy of them.
+/// Settings for the distribution of scenes to nodes that have no copy.
 struct DistributionOptions {
   FileServer::Options files{};
-  std::filesystem::path digests{};  ///< File that keeps the digests across restarts; empty disables it.
+  std::filesystem::path digests{};  ///< File in which the digests are kept across restarts; empty disables it.
 };
 
 struct CoordinatorOptions {
@@ -37,22 +37,22 @@ struct CoordinatorOptions {
   watch::WatchOptions watch{};
   std::string record{};  ///< Folder for the cost records that cyclorama-bench-balance reads; empty disables them.
   DistributionOptions distribution{};
-  std::filesystem::path updates{};  ///< Folder of the appliances' images (see UpdateStore); empty: no updates.
+  std::filesystem::path updates{};  ///< Folder of the appliances' images (see UpdateStore); empty disables updates.
 };
 
-/// Checks that names, paths and addresses are usable, and that no address beyond this machine is served without TLS.
-/// Errors: kInvalidArgument, which names the faulty value.
+/// Checks that names, paths and addresses are usable, and that addresses beyond this machine are served only with TLS.
+/// Errors: kInvalidArgument, naming the faulty value.
 Status validate(const CoordinatorOptions& options);
 
 /// The farm's coordinator as a running service: gRPC streams around CoordinatorState. Threads: `coordinator` (the loop
-/// that owns CoordinatorState), `scenes` (reads the scenes to be distributed, at the start), `files` (reads the files
-/// to be sent), `audit` (writes to disk), and gRPC's own threads, which only carry messages. Thread-safe.
+/// that owns CoordinatorState), `scenes` (reads the scenes to be distributed, at startup), `files` (reads the files to
+/// be sent), `audit` (writes to disk), and gRPC's own threads, which only pass messages on. Thread-safe.
 class Coordinator {
  public:
   using Notice = std::function<void(const std::string& sentence, const NoticeAbout& about)>;
 
-  /// `notice` receives sentences for the log, on the coordinator's thread and on the file threads.
-  /// Errors: as WireServer::start(), Gatekeeper::open() and FarmWatch::start().
+  /// Starts the service. `notice` receives sentences for the log, on the coordinator's thread and on the file threads.
+  /// Errors: those of WireServer::start(), Gatekeeper::open() and FarmWatch::start().
   static Result<std::unique_ptr<Coordinator>> start(CoordinatorOptions options, Notice notice);
   ~Coordinator();
   Coordinator(const Coordinator&) = delete;
@@ -60,8 +60,8 @@ class Coordinator {
 
   [[nodiscard]] int museum_port() const;
   [[nodiscard]] int node_port() const;
-  [[nodiscard]] int inspect_port() const;  ///< 0 if disabled, or if it is a Unix socket.
-  [[nodiscard]] int watch_port() const;    ///< HTTP port; 0 if disabled.
+  [[nodiscard]] int inspect_port() const;  ///< 0 if the service is disabled or its address is a Unix socket.
+  [[nodiscard]] int watch_port() const;    ///< HTTP port; 0 if the service is disabled.
   /// Returns the time of the loop's last iteration; a healthy loop iterates at least every 100 ms.
   [[nodiscard]] TimePoint alive_at() const;
   /// Returns the bytes of scene files sent to nodes so far.

@@ -12,7 +12,7 @@ namespace cyclorama::coordinator {
 
 /// Reads farm.toml; docs/reference/settings.md lists its keys.
 ///
-/// Errors: as Config; kInvalidArgument as validate(CoordinatorOptions).
+/// Errors: those of Config; kInvalidArgument under the conditions of validate(CoordinatorOptions).
 Result<CoordinatorOptions> read_coordinator_config(const std::filesystem::path& path);
 /// Reads the same settings from a text; errors quote `name` as the file name.
 Result<CoordinatorOptions> parse_coordinator_config(std::string_view text, const std::string& name);

@@ -12,31 +12,33 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// Maximum blocks of a node that may get one more by reassignment; a node takes twice as many (RenderQueue).
+/// Maximum number of blocks of a node that may get one more by reassignment; a node accepts twice as many
+/// (RenderQueue).
 constexpr std::size_t kMaxBlocksPerNode = 4096;
-/// Maximum number of assignments of a tile before its frame is given up.
+/// Number of assignments of a tile after which its frame is given up.
 constexpr int kMaxAttempts = 4;
-/// A node is silent after the longest of three times. The first is this fraction of its session's base time.
+/// A node counts as silent after the longest of three times. This is the first, as a fraction of its session's base
+/// time.
 constexpr double kSilent = 0.6;
-/// The second is this multiple of the time that its block was expected to take.
+/// The second, as a multiple of the expected time of the node's block.
 constexpr double kExpected = 1.5;
-/// The third is a lower bound, because the system may just have been busy for a moment.
+/// The third. It is a lower bound, because the system may have been busy for a moment.
 constexpr Duration kMinSilenceTimeout = std::chrono::milliseconds(10);
-/// A picture at rest has no budget: its timeout is this multiple of the other nodes' slowest block.
+/// Timeout for a picture at rest, which has no budget, as a multiple of the slowest block of the other nodes.
 constexpr double kAtRest = 4.0;
-/// Minimum of that timeout.
+/// Minimum timeout for a picture at rest.
 constexpr Duration kMinAtRestTimeout = std::chrono::milliseconds(500);
-/// After this multiple of the base time, a frame is given up for the next one.
+/// Multiple of the base time after which a frame is given up in favour of the next one.
 constexpr double kLate = 2.0;
-/// Time until a block that was taken from a node is begun by another: a round trip, the coordinator's turn, and a cell of
-/// whatever the other renders.
+/// Time until a block that was taken from one node is begun by another: a round trip, the work of the coordinator, and
+/// a cell of the block that the other node is rendering.
 constexpr double kStealSeconds = 0.002;
-/// A node counts as slowed if its utilisation is below this fraction of the other nodes'.
+/// A node counts as slowed if its utilisation is below this fraction of the median of the scene's nodes.
 constexpr double kSlowed = 0.5;
-/// Minimum time between log lines about a node that is late repeatedly.
+/// Minimum time between log lines about a node that is repeatedly late.
 constexpr Duration kLateLogPeriod = std::chrono::seconds(10);
-/// A slowed node that was not measured for this long, for lack of blocks, is assumed to be kRecovery times as fast: it
-/// may have recovered, and its small share of blocks will show.
+/// If a slowed node has not been measured for kForgotten, for lack of blocks, its assumed speed is multiplied by
+/// kRecovery: it may have recovered, and the few blocks that it then gets will be measured.
 constexpr Duration kForgotten = std::chrono::seconds(1);
 constexpr double kRecovery = 1.5;
 constexpr double kRemembered = 0.5;
@@ -72,7 +74,7 @@ TimePoint CoordinatorState::next_deadline() const {
   const TimePoint now = clock_.now();
   TimePoint next = TimePoint::max();
   for (const auto& [id, session] : sessions_) {
-    // A deadline in the past has been handled already, or waits for some other event.
+    // A deadline in the past has been handled already, or waits for another event.
     if (session.next_due > now) next = std::min(next, session.next_due);
   }
   return next;
@@ -193,7 +195,7 @@ void CoordinatorState::reassign(SessionId id, Session& session, FrameInFlight& f
     });
   };
   const auto idle = static_cast<std::size_t>(std::ranges::count_if(nodes, [&](NodeId node) { return !busy(node); }));
-  // Cut tiles so that all idle nodes help. A picture at rest keeps its tiles, since its sums are stored per tile.
+  // Tiles are cut so that all idle nodes help. A picture at rest keeps its tiles, since its sums are stored per tile.
   if (!frame.refines && idle > tiles.size()) {
     std::vector<PixelRect> parts;
     for (const PixelRect& tile : tiles) {
@@ -255,7 +257,8 @@ void CoordinatorState::learn_utilisation(Node& node, const wire::BlockEnd& end) 
   const double possible = end.wall_seconds() * node.threads;
   const double used = end.render_cpu_seconds();
   if (!(possible > 0.0 && possible < kMaxSeconds && used >= 0.0 && used < kMaxSeconds)) return;
-  // Over the total time, not the mean of blocks: most blocks of a node that stalls now and then are as fast as ever.
+  // The utilisation is that of the total time, not the mean of the blocks, because most blocks of a node that stalls
+  // now and then are as fast as usual.
   node.used_seconds = kKept * node.used_seconds + used;
   node.possible_seconds = kKept * node.possible_seconds + possible;
   node.utilisation = std::clamp(node.used_seconds / node.possible_seconds, 0.01, 1.0);
@@ -283,8 +286,8 @@ void CoordinatorState::compare_nodes() {
 }
 
 double CoordinatorState::speed_of(const Node& node, const std::string& scene) const {
-  // Small blocks on many threads and shared hosts make all nodes wait, so only a node that waits far more than the
-  // others counts as slowed.
+  // Small blocks on many threads, and shared hosts, make all nodes wait. Therefore only a node that waits far more than
+  // the others counts as slowed.
   const auto usual = usual_utilisation_.find(scene);
   const double slowed = usual == usual_utilisation_.end() ? 1.0 : node.utilisation / usual->second;
   const auto known = node.scenes.find(scene);

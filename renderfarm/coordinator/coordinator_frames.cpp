@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of a frame, from a waiting view to the frame's end.
+// The stages of a frame, from a waiting view to the frame's end.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,12 +14,12 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// Overhead of a block: one tile and its acknowledgement through gRPC with TLS.
+/// Overhead of a block in seconds: one tile and its acknowledgement through gRPC with TLS.
 constexpr double kBlockSeconds = 0.0003;
-/// Overhead of one more node until its orders are written, measured as the fan-out of `./bench.sh farm-overhead`.
-/// Its tiles arrive while other nodes render.
+/// Overhead of one more node in seconds, until its orders are written; measured as the fan-out of `./bench.sh
+/// farm-overhead`. The node's tiles arrive while other nodes render.
 constexpr double kNodeSeconds = 0.00005;
-/// Minimum cost in cpu-seconds, so that a frame that cost nothing still takes its turn.
+/// Minimum cost in cpu-seconds, so that a frame without a measured cost still takes its turn.
 constexpr double kMinCpuSeconds = 1e-4;
 
 void add_stage(wire::FrameEnd* end, const char* name, double seconds) {
@@ -34,18 +34,18 @@ balance::PictureSize size_of(const wire::View& view) {
 
 std::array<double, 3> eye_of(const wire::View& view) { return {view.eye_m().x(), view.eye_m().y(), view.eye_m().z()}; }
 
-/// Returns 0 for a picture that a turn of the heading does not shift.
+/// Returns the azimuth span in radians; 0 for a picture that a change of heading does not shift.
 double shifting_span(const wire::View& view) {
   return view.panorama().projection() == wire::Panorama::CYLINDER ? view.panorama().azimuth_span_rad() : 0.0;
 }
 
-/// Returns the number of pictures above each other: one per eye.
+/// Returns the number of pictures, one above another: one per eye.
 int stacked(const wire::View& view) { return view.panorama().has_eyes() ? 2 : 1; }
 
-/// The cost of a pixel grows with its samples; the extra cost of a bounce depends on the scene.
+/// Returns the relative cost of a pixel, which grows with its samples; the extra cost of a bounce depends on the scene.
 double effort_of(const wire::View& view) { return view.samples(); }
 
-/// Returns the thread time of the busiest node over its threads; 0 for a frame that its nodes did not finish.
+/// Returns the thread time of the busiest node over its threads, in ms; 0 for a frame that its nodes did not finish.
 double rays_ms(const FrameReport& report) {
   if (!report.complete || report.reassigned || report.loads.empty()) return 0.0;
   return 1e3 * *std::ranges::max_element(report.loads);
@@ -132,7 +132,7 @@ void CoordinatorState::plan(SessionId id, Session& session) {
   }
   frame.last_planned = last_block_;
   frame.planned_at = clock_.now();
-  // The fan-out begins here: the first order of a stream is written at once, on this thread.
+  // The fan-out begins here: the first order of a stream is written immediately, on this thread.
   std::uint64_t number = first_block;
   for (const AssignedBlock& block : blocks) order_block(id, session, frame, number++, block.node, block.rect);
 }
@@ -264,7 +264,7 @@ void CoordinatorState::finish(SessionId id, Session& session, FrameInFlight& fra
   FrameReport report = report_of(id, frame);
   if (session.governed) report.budget_ms = session.governed->governor.budget_ms();
   accounts_.end(session.account, frame.turn);
-  // Blocks of a frame that was given up are charged as they end: later than this.
+  // Blocks of a frame that was given up are charged when they end, which is later than this.
   double& predicted = frame.refines ? session.refinement_cpu_seconds : session.frame_cpu_seconds;
   const double cost = frame.failure ? std::max(frame.charged_seconds, predicted) : frame.charged_seconds;
   predicted = std::max(cost, kMinCpuSeconds);

@@ -14,11 +14,12 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// Nodes that still lack light this long after they could fetch it are left out until they have it.
+/// Time after which new light is used even if some nodes lack it; they render no frames with it until they have fetched
+/// it.
 constexpr Duration kSwitchTimeout = std::chrono::seconds(20);
-/// A node that has not sent its light by then is given up, and another gets the order.
+/// If a node has not sent its light within this time, another node is ordered to send it.
 constexpr Duration kSendTimeout = std::chrono::seconds(60);
-/// A node that has not got its light by then gets the order to fetch it once more.
+/// If a node has not fetched its light within this time, it is ordered again to fetch it.
 constexpr Duration kOfferTimeout = std::chrono::minutes(1);
 /// If no node that got the order to compute light has reported a stage by then, all get it once more. It covers the time to
 /// read a scene and to build its BVH.
@@ -119,7 +120,8 @@ std::size_t CoordinatorState::nodes_with_light(const std::string& scene, const s
 void CoordinatorState::choose_light(const std::string& scene, SceneLightState& light) {
   if (!light.target.version().empty() && (light.stored_at || nodes_with_light(scene, light.target.version()) > 0))
     return;
-  // The version that most nodes have; of several, the first by name, so that a restarted coordinator chooses the same.
+  // Chooses the version that most nodes have; of several, the first by name, so that a restarted coordinator chooses
+  // the same.
   std::map<std::string, std::pair<std::size_t, std::uint64_t>> counts;
   for (const auto& [id, node] : nodes_) {
     if (!node.has(scene)) continue;
@@ -162,7 +164,8 @@ void CoordinatorState::spread_light(const std::string& scene, SceneLightState& l
     const auto sending = nodes_.find(light.sending);
     const bool is_sending = sending != nodes_.end() && sending->second.has_light(scene, version);
     if (is_sending && now - light.send_ordered_at < kSendTimeout) return;
-    // Another node if there is one; the same one may have failed for a reason that has passed.
+    // Prefers another node; if there is none, tries the same node again, which may have failed for a reason that has
+    // passed.
     auto holder = std::ranges::find_if(nodes_, [&](const auto& entry) {
       return entry.second.has_light(scene, version) && (!is_sending || entry.first != light.sending);
     });
@@ -209,7 +212,7 @@ void CoordinatorState::use_light(const std::string& scene, SceneLightState& ligh
     if (session.scene != scene || !session.governed) continue;
     GovernorState& old = *session.governed;
     std::unique_ptr<GovernorState> governed = governed_by(old.governor.budget_ms(), old.reference_samples, scene);
-    // A picture at rest continues unchanged.
+    // A picture at rest continues unchanged:
     governed->asked = std::move(old.asked);
     governed->written_at = old.written_at;
     governed->still_since = old.still_since;

@@ -11,7 +11,7 @@ namespace cyclorama::coordinator {
 namespace {
 
 constexpr Duration kPeriod = std::chrono::seconds(1);
-/// Weight of a new value in a node's mean share of a frame: a mean over about twenty frames.
+/// Weight of a new value in a node's mean share of a frame; the mean covers about twenty frames.
 constexpr double kNewShare = 0.05;
 
 Duration duration_of(double seconds) {

@@ -12,7 +12,7 @@
 
 namespace cyclorama::coordinator {
 
-/// Collects the coordinator's metrics for the operator. It reports to the inspection service:
+/// Collects the coordinator's metrics for the operator. The inspection service gets:
 ///
 ///   stages   queue, plan, fan_out, render, encode, farm and overhead of each complete frame of a moving picture;
 ///            relay of each tile (docs/reference/frame-timing.md)
@@ -23,7 +23,7 @@ namespace cyclorama::coordinator {
 ///            reason
 ///   tables   sessions, nodes (renderfarm/watch/farm_tables.h)
 ///
-/// The same values go into the farm's metrics. Bound to the coordinator's loop; both sinks are borrowed and
+/// The farm's metrics get the same values. Bound to the coordinator's loop. Both sinks are borrowed; they are
 /// thread-safe.
 class CoordinatorMetrics {
  public:
@@ -31,15 +31,15 @@ class CoordinatorMetrics {
       : inspection_(inspection), metrics_(metrics) {}
 
   void add(const FrameReport& report);
-  /// Adds one stage of a frame, named as in docs/reference/frame-timing.md.
+  /// Adds the time of one stage of a frame; docs/reference/frame-timing.md lists the names.
   void add_stage(const std::string& stage, double seconds);
-  /// Publishes the state at each call, and tables and rates once a second.
+  /// Publishes the state at each call; publishes tables and rates once a second.
   void update(const CoordinatorState& state, TimePoint now);
 
  private:
   void add_to_session(const FrameReport& report);
   void add_loads(const FrameReport& report);
-  /// Adds the measured values of sessions and nodes to the overview, and drops those of peers that are gone.
+  /// Adds the measured values of sessions and nodes to the overview, and drops the values of peers that are gone.
   void complete(watch::FarmOverview* farm, double seconds);
 
   InspectionService& inspection_;

@@ -28,7 +28,7 @@ bool is_same_scene(const wire::SceneDescription& a, const wire::SceneDescription
          a.triangles_stored() == b.triangles_stored();
 }
 
-/// Checks everything about a tile except whether it belongs to its block.
+/// Checks everything about a tile except that it belongs to its block.
 Status check_tile(const wire::Tile& tile, const wire::View& view) {
   if (tile.view_number() != view.number()) return broken("it is of another view");
   if (tile.jpeg().empty()) return broken("it is empty");
@@ -36,7 +36,7 @@ Status check_tile(const wire::Tile& tile, const wire::View& view) {
   return validate(tile, static_cast<int>(view.panorama().width_px()), static_cast<int>(view.panorama().height_px()));
 }
 
-/// Precondition: check_tile().
+/// Precondition: check_tile() accepted the tile.
 PixelRect rect_of(const wire::Tile& tile) {
   return {static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px()), static_cast<int>(tile.width_px()),
           static_cast<int>(tile.height_px())};
@@ -106,7 +106,7 @@ Status CoordinatorState::hello(NodeId id, Node& node, const wire::Hello& hello) 
   node.name = printable(hello.name());
   node.threads = hello.threads();
   count_threads();
-  // Scenes in use come first; a later scene never replaces an earlier one.
+  // Scenes in use come first; scenes ordered later never replace earlier ones.
   std::vector<FarmScene> order = scenes_;
   std::set<std::string> keep = scenes_in_use();
   std::stable_partition(order.begin(), order.end(), [&](const FarmScene& scene) { return keep.contains(scene.name); });
@@ -210,7 +210,7 @@ Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loade
     known = loaded.description();
     TRY(keep_pareto_front(loaded));
   } else if (!is_same_scene(known, loaded.description())) {
-    // Otherwise pictures would be patched together from two scenes.
+    // Without this check, a picture could be composed of two different scenes.
     asked->second.state = Node::SceneState::kFailed;
     asked->second.error = "its copy differs from the other nodes'";
     delegate_.notice(
@@ -236,7 +236,7 @@ Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loade
 }
 
 double CoordinatorState::relative_speed(const wire::SceneLoaded& loaded) {
-  // Probes vary with the other load of a host; hosts of the same kind should count as equally fast.
+  // Probes vary with other load on the host; hosts of the same kind should count as equally fast.
   constexpr double kAlike = 0.12;
   constexpr double kMaxSpeedRatio = 100.0;
   const double seconds = loaded.probe_cpu_seconds();

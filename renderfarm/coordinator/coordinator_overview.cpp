@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reports of CoordinatorState for monitoring.
+// The part of CoordinatorState that reports to monitoring.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,8 +21,8 @@ std::string state_of(const Node& node) {
   return any(Node::SceneState::kLoading) ? "loading" : "no scene";
 }
 
-/// Returns the light that a node has, and what it states of the light that it computes; at most a few entries, because
-/// the node may state anything.
+/// Returns the light that a node has, and its reports on the light that it computes. Returns at most a few entries,
+/// because a node may report anything.
 std::vector<std::string> light_of(const Node& node) {
   constexpr std::size_t kMaxEntries = 8;
   constexpr double kMaxMinutes = 100'000.0;

@@ -11,11 +11,11 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// A session without a request for this long, and with nothing on its way, is at rest. Longer than a tour's step and a
-/// network's round trip, so that no work is begun in vain between two views of a walk.
+/// A session is at rest after this time without a request, if nothing is on its way. It exceeds a tour's step and a
+/// network's round trip, so that no work is wasted between two views of a walk.
 constexpr Duration kStill = std::chrono::milliseconds(150);
-/// Delay after a refined picture was given up, doubled after each further one, so that a lost node can come back and a
-/// broken one does not keep the farm busy.
+/// Delay after a refined picture was given up, doubled after each further one, so that a lost node has time to return
+/// and a broken one does not keep the farm busy.
 constexpr Duration kFirstRetry = std::chrono::seconds(5);
 constexpr Duration kLastRetry = std::chrono::seconds(60);
 constexpr int kMaxDoublings = 4;  ///< From kFirstRetry to kLastRetry.
@@ -30,7 +30,7 @@ double megapixels(const wire::View& view) {
   return 1e-6 * static_cast<double>(view.panorama().width_px()) * static_cast<double>(view.panorama().height_px());
 }
 
-/// Sets the bounces of a session's pictures.
+/// Returns `quality` with the number of bounces of the session's pictures.
 render::PictureQuality with_bounces(const GovernorState& governed, render::PictureQuality quality) {
   if (!governed.bounces) return quality;
   const auto stated = static_cast<int>(governed.asked->bounces());
@@ -63,16 +63,16 @@ void CoordinatorState::govern(GovernorState& governed, FrameInFlight* frame) {
   governed.asked = frame->view;
   const governor::ParetoPoint& point = governed.governor.choose(megapixels(frame->view));
   apply(with_bounces(governed, point.quality), &frame->view);
-  // The rendered size is a multiple of whole cells, which matters for small pictures.
+  // Uses the rendered size, which is rounded to whole cells; the difference matters for small pictures.
   frame->work = point.cost * megapixels(frame->view) / (point.quality.scale * point.quality.scale);
 }
 
 void CoordinatorState::learn(GovernorState& governed, const WrittenFrame& frame) {
   const TimePoint now = clock_.now();
-  // Of two frames at work, the later one has the farm to itself only after the earlier one's end.
+  // If two frames are in flight, the later one has the farm to itself only after the earlier one's end.
   const double ms = 1e3 * to_seconds(now - std::max(frame.planned_at, governed.written_at));
   governed.written_at = governed.still_since = now;
-  if (frame.reassigned) return;  // Its time does not reflect its quality.
+  if (frame.reassigned) return;  // Such a frame's time does not reflect its quality.
   if (frame.samples_added > 0) {
     governed.ms_per_sample = ms / (frame.samples_added * frame.megapixels);
   } else {
@@ -105,7 +105,7 @@ void CoordinatorState::refine(SessionId id, Session& session) {
     governed.light = governed.refinement->prior().samples > 0 ? light_in_use(session.scene) : "";
   }
   if (!governed.light.empty() && nodes_with_light(session.scene, governed.light) == 0) {
-    // The light that the picture began with is gone: it begins anew.
+    // The light that the picture began with is gone, so the refinement starts again.
     governed.refinement.reset();
     governed.blocks.clear();
     return;
@@ -149,7 +149,7 @@ void CoordinatorState::refine(SessionId id, Session& session) {
 void CoordinatorState::finish_refined(SessionId id, Session& session, FrameInFlight& frame, const FrameReport& report) {
   GovernorState& governed = *session.governed;
   if (frame.failure) {
-    // No part of it was sent, so no end will be written.
+    // No part of the picture was sent, so no end will be written.
     session.views.finish(frame.view.number());
     const int doublings = std::min(governed.failures++, kMaxDoublings);
     governed.retry_at = clock_.now() + std::min(kLastRetry, kFirstRetry * (1 << doublings));

@@ -29,7 +29,7 @@ namespace cyclorama::coordinator {
 using NodeStream = PeerStream<wire::NodeReport, wire::NodeCommand>;
 using MuseumStream = PeerStream<wire::SessionRequest, wire::SessionReply>;
 
-// Events that gRPC's threads post to the loop.
+// Events that gRPC's threads post to the loop:
 struct NodeConnected {
   std::uint64_t id;
   std::shared_ptr<NodeStream> stream;
@@ -40,7 +40,7 @@ struct NodeMessage {
   wire::NodeReport report;
   TimePoint at;
 };
-/// The command to render a block was written to the node's stream.
+/// Posted when the command to render a block has been written to the node's stream.
 struct OrderWritten {
   std::uint64_t id;
   std::uint64_t block;
@@ -81,7 +81,7 @@ struct ListScenesCall {
 struct SceneRead {
   scene_distribution::SceneLibrary::News news;
 };
-/// A node has sent the light of that version.
+/// Posted when a node has sent the light of this version.
 struct LightStored {
   std::string version;
 };
@@ -91,7 +91,8 @@ using Event =
                  ReplyWritten, MuseumClosed, MuseumDone, ListScenesCall, SceneRead, LightStored, StopRequested>;
 using Events = EventQueue<Event>;
 
-/// One file of light that a node sends. gRPC calls one method at a time. `stored` is called before the node is answered.
+/// Receives one file of light from a node. gRPC calls one method at a time. `stored` is called before the node gets its
+/// reply.
 class LightReceiver final : public grpc::ServerReadReactor<wire::LightChunk> {
  public:
   LightReceiver(LightFileStore& store, std::function<void(const std::string& version)> stored)
@@ -149,7 +150,7 @@ class NodesService final : public wire::Nodes::CallbackService,
     return files_.fetch(context, *request);
   }
   grpc::ServerReadReactor<wire::LightChunk>* StoreLight(grpc::CallbackServerContext*, wire::StoreLightReply*) override {
-    // It deletes itself in OnDone().
+    // The receiver deletes itself in OnDone().
     return new LightReceiver(lights_, [this](const std::string& version) { events_.post(LightStored{version}); });
   }
   void on_read(std::uint64_t id, wire::NodeReport message) override {
@@ -203,7 +204,7 @@ class FarmService final : public wire::Farm::CallbackService,
   std::atomic<std::uint64_t> last_id_ = 0;
 };
 
-/// Serves system updates to museums. `may` authorizes a caller; it is called on gRPC's threads.
+/// Serves system updates to museums. `may` returns true if a caller is authorized; it is called on gRPC's threads.
 class UpdatesService final : public wire::Updates::CallbackService {
  public:
   UpdatesService(UpdateStore store, FileServer& files, std::function<bool(const Identity&)> may)

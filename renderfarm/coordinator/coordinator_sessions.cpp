@@ -14,7 +14,8 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// More would show no difference, and the samples of a cell are traced together: no other museum's block goes first.
+/// Maximum samples of a view with stored light. More would show no difference, and would delay other museums' blocks,
+/// because the samples of a cell are traced together.
 constexpr std::uint32_t kMaxStoredLightSamples = 64;
 
 Status check_quota(const char* what, std::uint32_t requested, int granted) {
@@ -63,7 +64,7 @@ void CoordinatorState::session_requested(SessionId id, const wire::SessionReques
     return;
   }
   const std::string refusal = fmt::format("the session of '{}' is refused: {}", session.museum, fine.error().message());
-  // A museum that waits for a scene reconnects again and again; one log line is enough.
+  // A museum that waits for a scene reconnects again and again; identical refusals are logged once.
   if (refusal != last_refusal_)
     delegate_.notice(refusal, {.museum = session.museum, .session = id, .is_trouble = true});
   last_refusal_ = refusal;
@@ -107,7 +108,7 @@ std::unique_ptr<GovernorState> CoordinatorState::governed_by(double budget_ms, i
 
 Status CoordinatorState::open(SessionId id, Session& session, const wire::OpenSession& open) {
   session.museum = session.grant.museum.empty() ? printable(open.museum()) : session.grant.museum;
-  const std::string& wanted = open.scene();  // Empty selects the first scene.
+  const std::string& wanted = open.scene();  // An empty name selects the first scene that the grant allows.
   const auto scene = std::ranges::find_if(scenes_, [&](const FarmScene& known) {
     return (wanted.empty() || known.name == wanted) && session.grant.allows(known.name);
   });

@@ -9,7 +9,7 @@
 
 namespace cyclorama::coordinator {
 namespace {
-/// About two seconds of three sessions.
+/// Maximum number of queued frames: about two seconds of three sessions.
 constexpr std::size_t kMaxWaiting = 128;
 }  // namespace
 
@@ -46,7 +46,7 @@ void CostLog::add(const FrameReport& report) {
   if (view.panorama().projection() == wire::Panorama::CYLINDER) {
     waiting.frame.azimuth_span_rad = view.panorama().azimuth_span_rad();
   } else {
-    waiting.frame.azimuth_span_rad = 0.0;  // A turn of the heading shifts nothing.
+    waiting.frame.azimuth_span_rad = 0.0;  // A change of heading does not shift this picture.
   }
   waiting.frame.eye_m = {view.eye_m().x(), view.eye_m().y(), view.eye_m().z()};
   waiting.frame.effort = view.samples();
@@ -76,7 +76,7 @@ void CostLog::run() {
 void CostLog::write(const Waiting& waiting) {
   const auto [record, is_new] = records_.try_emplace(waiting.session);
   if (is_new) {
-    // Every coordinator numbers its sessions anew; the time distinguishes them.
+    // Every coordinator numbers its sessions from 1; the time distinguishes the records.
     const auto now =
         std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch());
     auto created = balance::CostRecorder::create(

@@ -18,11 +18,12 @@
 
 namespace cyclorama::coordinator {
 
-/// Writes the costs of frames, one record per session, for cyclorama-bench-balance. If the disk is slow, frames are
-/// left out of the record; the coordinator never waits. Thread-safe; owns one thread.
+/// Writes the costs of frames, one record per session, for cyclorama-bench-balance. The coordinator never waits for the
+/// disk; if it is slow, frames are omitted from the record. Thread-safe; owns one thread.
 class CostLog {
  public:
-  /// Creates the folder. `notice` receives a sentence when a record cannot be continued, on the log's thread.
+  /// Creates the folder. `notice` receives a sentence when a record cannot be continued; it is called on the log's
+  /// thread.
   /// Errors: kSystem with errno.
   static Result<std::unique_ptr<CostLog>> open(std::filesystem::path folder,
                                                std::function<void(const std::string&)> notice);
@@ -47,7 +48,7 @@ class CostLog {
 
   const std::filesystem::path folder_;
   const std::function<void(const std::string&)> notice_;
-  std::map<SessionId, std::unique_ptr<balance::CostRecorder>> records_;  ///< The thread's own; null after an error.
+  std::map<SessionId, std::unique_ptr<balance::CostRecorder>> records_;  ///< Log's thread only. Null after an error.
 
   std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;

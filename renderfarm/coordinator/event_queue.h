@@ -10,12 +10,12 @@
 
 namespace cyclorama::coordinator {
 
-/// A queue with many posting threads and one consuming loop. It sets no bound itself: each stream has at most one
-/// message and one finished write in it. Thread-safe.
+/// A queue with many posting threads and one consuming loop. The queue itself is unbounded, but each stream has at most
+/// one message and one finished write in it. Thread-safe.
 template <typename Event>
 class EventQueue {
  public:
-  /// Returns false after close(); the event is dropped.
+  /// Queues an event. After close(), drops it and returns false.
   bool post(Event event) {
     {
       const std::lock_guard lock(mutex_);

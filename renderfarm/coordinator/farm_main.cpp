@@ -31,7 +31,8 @@ struct TopArguments {
   watch::TopOptions top{};
 };
 
-/// Takes the inspection address from the command line, else from the settings file, else from the package's own file.
+/// Runs `top`. The inspection address comes from the command line, else from the settings file, else from the package's
+/// settings file.
 Status run_top_command(TopArguments arguments, const StopSignal& stop) {
   if (arguments.top.inspect.empty() && !arguments.config.empty()) {
     TRY_ASSIGN(const CoordinatorOptions coordinator, read_coordinator_config(arguments.config));
@@ -54,7 +55,7 @@ void add_top(CLI::App& app, TopArguments* arguments) {
   top->add_flag("--json", arguments->top.json, "Show it once, as JSON");
 }
 
-/// Reads the settings file first; the command line overrides it.
+/// Returns the settings. The command line overrides the settings file.
 Result<CoordinatorOptions> options_from(const Arguments& arguments) {
   CoordinatorOptions options;
   if (!arguments.config.empty()) {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kPieceBytes = std::size_t{512} << 10;
 constexpr Duration kLook = std::chrono::seconds(1);
-/// A stream whose peer takes nothing for this long is cut, to free its slot.
+/// Time after which a stream whose peer takes nothing is cut, to free its slot.
 constexpr Duration kStall = std::chrono::seconds(60);
 
 const grpc::Status kStops(grpc::StatusCode::UNAVAILABLE, "the farm's coordinator stops");
@@ -29,9 +29,9 @@ class Refusal final : public grpc::ServerWriteReactor<wire::FileChunk> {
 
 }  // namespace
 
-/// One file being sent. It is in the server's queue, or one of its chunks is being written, or it is finished; only one
-/// of these applies at a time. gRPC hands it from thread to thread in between. Its lock is never contended; it provides
-/// the memory ordering in a way that sanitizers see.
+/// One file being sent. At any time, the stream is in the server's queue, or one of its chunks is being written, or it
+/// is finished. gRPC passes it from thread to thread between these states. The mutex is never contended; it only makes
+/// the memory ordering visible to sanitizers.
 class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk> {
  public:
   Stream(FileServer& server, grpc::CallbackServerContext* context, scene_distribution::StampedFile file,
@@ -45,7 +45,7 @@ class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk
   [[nodiscard]] bool is_cancelled() const { return context_->IsCancelled(); }
   void end(const grpc::Status& status) { Finish(status); }
 
-  /// Reads and sends the next chunk, and returns its bytes. The stream may be gone afterwards.
+  /// Reads and sends the next chunk, and returns its size in bytes. The stream may be deleted when the call returns.
   std::uint64_t send_next() {
     const auto want = std::min<std::uint64_t>(kPieceBytes, file_.stamp.bytes - offset_);
     if (!read_next(want)) {
@@ -116,7 +116,7 @@ FileServer::~FileServer() {
 grpc::ServerUnaryReactor* FileServer::list(grpc::CallbackServerContext* context, const wire::ListFilesRequest& request,
                                            wire::SceneFiles* reply) const {
   grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  const bool may_come = library_.is_reading();  // Read first, so that scenes that arrive meanwhile are found.
+  const bool may_come = library_.is_reading();  // Read first, so that scenes added meanwhile are found.
   const auto files = library_.find(request.digest());
   grpc::Status status;
   if (files != nullptr) {

@@ -21,20 +21,20 @@
 
 namespace cyclorama::coordinator {
 
-/// Serves Nodes.ListFiles and Nodes.FetchFile: files of the library's scenes, to many nodes at once, chunk by chunk in
-/// turn. It also sends museums their updates. Its thread (`files`) reads the disk and limits the rate, so that neither
-/// blocks gRPC's threads or the coordinator's loop. Callers have been authorized before. Thread-safe.
+/// Serves Nodes.ListFiles and Nodes.FetchFile: files of the library's scenes, to many nodes at once, one chunk per node
+/// in turn. Also sends updates to museums. The thread `files` reads the disk and limits the rate, so neither blocks
+/// gRPC's threads or the coordinator's loop. Callers must be authorized already. Thread-safe.
 class FileServer {
  public:
   struct Options {
     double bytes_per_second = 0.0;  ///< Limit for all streams together; 0: no limit.
-    /// Maximum number of open streams; further callers must retry. Museums get at most half of them, so that
-    /// nodes need not wait.
+    /// Maximum number of open streams; further callers must retry. Museums get at most half of the streams, so that
+    /// nodes need not wait for museums.
     std::size_t streams = 64;
   };
-  /// Borrows the library.
+  /// Keeps a reference to the library.
   FileServer(const scene_distribution::SceneLibrary& library, Options options);
-  /// Precondition: all streams have ended, so the gRPC server must be stopped first.
+  /// Precondition: all streams have ended, which requires that the gRPC server was stopped first.
   ~FileServer();
   FileServer(const FileServer&) = delete;
   FileServer& operator=(const FileServer&) = delete;
@@ -43,7 +43,8 @@ class FileServer {
                                  wire::SceneFiles* reply) const;
   grpc::ServerWriteReactor<wire::FileChunk>* fetch(grpc::CallbackServerContext* context,
                                                    const wire::FetchFileRequest& request);
-  /// Sends any file that the caller may hand out, from `offset` on; an error goes to the peer.
+  /// Sends `file` from `offset` on. The caller must have checked that the peer may have it. An error is sent to the
+  /// peer.
   grpc::ServerWriteReactor<wire::FileChunk>* send(grpc::CallbackServerContext* context,
                                                   Result<scene_distribution::StampedFile> file, std::uint64_t offset);
   /// Cancels the streams of the matching peers.
@@ -51,7 +52,7 @@ class FileServer {
   /// Ends all streams, present and future, with UNAVAILABLE. Idempotent.
   void stop();
 
-  /// Returns the bytes that gRPC has accepted, of all files so far.
+  /// Returns the number of bytes of all files that gRPC has accepted so far.
   [[nodiscard]] std::uint64_t sent_bytes() const { return sent_bytes_; }
 
  private:
@@ -60,7 +61,7 @@ class FileServer {
   void queue(Stream& stream);
   void forget(Stream& stream);
   void cut_stalled();
-  /// Removes cancelled streams from the queue, since they occupy a slot and their turn may be far off.
+  /// Removes and returns the cancelled streams in the queue, because each occupies a slot and its turn may be far off.
   std::vector<Stream*> take_cancelled();
 
   const scene_distribution::SceneLibrary& library_;
@@ -72,7 +73,7 @@ class FileServer {
   std::condition_variable changed_;
   bool stopping_ = false;
   std::set<Stream*> streams_;
-  std::deque<Stream*> queue_;  ///< Streams that are ready for their next chunk, in turn.
+  std::deque<Stream*> queue_;  ///< Streams that are ready for their next chunk, in the order of their turns.
   std::thread thread_;
 };
 

@@ -10,10 +10,10 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// Minimum edge of a part in pixels; smaller parts cost more in margins and JPEG overhead.
+/// Minimum length of a part in pixels; shorter parts cost more in margins and JPEG overhead.
 constexpr int kMinPartPx = 64;
 
-/// Returns no costs unless there is one for each cell that the block touches.
+/// Returns the measured costs of a block's cells; empty unless there is one for each cell that the block touches.
 std::vector<float> measured_cells(const wire::BlockEnd& end, const PixelRect& rect) {
   const auto touched = [](int from, int length) { return (from + length + kCutPx - 1) / kCutPx - from / kCutPx; };
   const int cells = touched(rect.x, rect.width) * touched(rect.y, rect.height);
@@ -81,7 +81,7 @@ bool FrameAssembly::take(const PixelRect& tile) {
   if (missing_.erase(tile) > 0) return true;
   const auto cut = parts_.find(tile);
   if (cut == parts_.end()) return false;
-  // The whole tile is wanted only if no part of it has been delivered.
+  // Some part may have been delivered; the whole tile is then unwanted.
   if (!is_untouched(tile)) return false;
   for (const PixelRect& part : cut->second) take(part);
   return true;
@@ -135,7 +135,7 @@ int FrameAssembly::attempts(const PixelRect& tile) const {
 
 bool FrameAssembly::is_complete() const {
   if (!missing_.empty()) return false;
-  // The times of wanted blocks are needed too, but not after a reassignment, when other nodes may have been faster.
+  // The times of wanted blocks are needed, too, but not after a reassignment, when other nodes may have been faster.
   return reassigned_ ||
          std::ranges::all_of(blocks_, [](const auto& entry) { return entry.second.ended || !entry.second.wanted; });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The state of a session with a frame budget: plain data of CoordinatorState.
+/// Plain data of CoordinatorState: the state of a session with a frame budget.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,8 @@
 
 namespace cyclorama::coordinator {
 
-/// Assigns a part of a picture to a node. During refinement the parts stay at their nodes, which hold the sample sums.
+/// A part of a picture, assigned to a node. During refinement the parts stay at their nodes, which hold the sample
+/// sums.
 struct AssignedBlock {
   NodeId node{};
   PixelRect rect;
@@ -29,22 +30,23 @@ struct GovernorState {
 
   governor::Governor governor;
   int reference_samples = 0;
-  /// Bounces of all pictures, so that brightness does not depend on quality, unless the view states more than 0. Null:
-  /// those of the scene's measured Pareto front.
+  /// Number of bounces of all pictures, so that brightness does not depend on quality. A view with a number above 0
+  /// overrides it. Null: the number of the scene's measured Pareto front.
   std::optional<int> bounces{};
   std::optional<wire::View> asked{};  ///< The last planned view, as requested by the museum.
   TimePoint written_at{};             ///< Time when the museum last took a complete frame.
   TimePoint still_since{};            ///< The later of written_at and the last request.
-  /// From the first refined picture on, until another view comes.
+  /// Set from the first refined picture until another view arrives.
   std::optional<governor::Refinement> refinement{};
-  std::string light{};  ///< Version of the light of the pictures at rest, once there is a refinement.
+  std::string light{};  ///< Version of the light that pictures at rest use, once there is a refinement.
   std::vector<AssignedBlock> blocks{};
-  int failures = 0;            ///< Consecutive refined pictures that were given up.
+  int failures = 0;            ///< Number of consecutive refined pictures that were given up.
   TimePoint retry_at{};        ///< Earliest time of the next attempt.
   double ms_per_sample = 0.0;  ///< Milliseconds per sample and megapixel, at rest; 0: unknown.
 };
 
-/// Sets a view's quality settings and shrinks its panorama by the quality's scale, to multiples of 16.
+/// Sets a view's quality settings and multiplies its panorama's size by the quality's scale, rounded to multiples of
+/// 16.
 void apply(const render::PictureQuality& quality, wire::View* view);
 
 }  // namespace cyclorama::coordinator

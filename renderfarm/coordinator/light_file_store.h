@@ -24,9 +24,9 @@ class LightFileStore {
   /// A file that is being received. Thread-bound.
   class Receipt {
    public:
-    /// Errors: kBusy if it becomes larger than announced or the disk is full.
+    /// Appends bytes. Errors: kBusy if the file becomes larger than announced or the disk is full.
     Status add(std::span<const std::byte> bytes);
-    /// Makes the file available. Errors: kInvalidArgument if the bytes are not those of the version.
+    /// Makes the file available. Errors: kInvalidArgument if the bytes do not match the version.
     Status finish();
 
    private:
@@ -47,7 +47,7 @@ class LightFileStore {
   void forget(const std::string& version);
   /// Errors: kInvalidArgument if accept() was not called for that version; kBusy if the disk gives no place.
   Result<std::unique_ptr<Receipt>> receive(const std::string& version);
-  /// Errors: kNotFound if it has not come.
+  /// Opens a complete file. Errors: kNotFound if it has not been received.
   [[nodiscard]] Result<scene_distribution::StampedFile> open(const std::string& version) const;
 
  private:
@@ -58,7 +58,7 @@ class LightFileStore {
   void keep(const std::string& version, UniqueFd file);
 
   mutable std::mutex mutex_;  ///< Guards the following.
-  std::list<Entry> entries_;  ///< The newest first.
+  std::list<Entry> entries_;  ///< Newest first.
 };
 
 }  // namespace cyclorama::coordinator

@@ -12,17 +12,17 @@
 
 namespace cyclorama::coordinator {
 
-/// Callbacks of a stream to its owner, on gRPC's threads. They must return at once.
+/// Callbacks from a stream to its owner, called on gRPC's threads. They must return at once.
 template <typename In, typename Out>
 class PeerStreamEvents {
  public:
   virtual ~PeerStreamEvents() = default;
-  /// Called for one message at a time: the next one comes after read_next().
+  /// Called for one message at a time; the next call comes only after read_next().
   virtual void on_read(std::uint64_t id, In message) = 0;
   virtual void on_written(std::uint64_t id, Out message) = 0;
-  /// The peer has half-closed the stream or is gone. finish() must follow.
+  /// Called when the peer has half-closed the stream or is gone. finish() must follow.
   virtual void on_closed(std::uint64_t id) = 0;
-  /// The last callback.
+  /// Called last.
   virtual void on_done(std::uint64_t id) = 0;
 
  protected:
@@ -31,13 +31,13 @@ class PeerStreamEvents {
   PeerStreamEvents& operator=(const PeerStreamEvents&) = default;
 };
 
-/// One open call of a peer: messages are read one by one as the owner requests, and written through a queue. The stream
-/// keeps itself alive until gRPC is done with it; the owner may hold it longer, but then its calls do nothing.
+/// One open call of a peer. Messages are read one by one as the owner requests, and written through a queue. The stream
+/// keeps itself alive until gRPC is done with it. The owner may hold it longer, but calls then have no effect.
 /// Thread-safe.
 template <typename In, typename Out>
 class PeerStream final : public grpc::ServerBidiReactor<In, Out> {
  public:
-  /// `events` is borrowed until on_done(). Reads the first message at once.
+  /// Opens a stream and begins to read the first message. `events` is borrowed until on_done().
   static std::shared_ptr<PeerStream> open(std::uint64_t id, grpc::CallbackServerContext* context,
                                           PeerStreamEvents<In, Out>& events) {
     std::shared_ptr<PeerStream> stream(new PeerStream(id, context, events));
@@ -50,7 +50,7 @@ class PeerStream final : public grpc::ServerBidiReactor<In, Out> {
     if (!finished_) this->StartRead(&in_);
   }
 
-  /// Queues without limit: the sender must bound the queue by on_written().
+  /// Queues a message without a limit; the sender must bound the queue by counting on_written().
   void send(Out message) {
     const std::lock_guard lock(mutex_);
     if (ending_ || finished_) return;
@@ -58,12 +58,12 @@ class PeerStream final : public grpc::ServerBidiReactor<In, Out> {
     if (!writing_) write_front();
   }
 
-  /// Ends the call, after the queued messages unless `at_once`. The first status counts.
+  /// Ends the call: at once, or after the queued messages. If called repeatedly, the first status is used.
   void finish(grpc::Status status, bool at_once) {
     const std::lock_guard lock(mutex_);
     if (!std::exchange(ending_, true)) status_ = std::move(status);
     if (at_once && !done_) {
-      // Only cancellation ends a write to a peer that does not read.
+      // Cancellation is the only way to end a write to a peer that does not read.
       if (writing_) context_->TryCancel();
       queue_.erase(queue_.begin() + (writing_ ? 1 : 0), queue_.end());
     }
@@ -122,9 +122,9 @@ class PeerStream final : public grpc::ServerBidiReactor<In, Out> {
   grpc::CallbackServerContext* const context_;  ///< Owned by gRPC; invalid once done_.
   PeerStreamEvents<In, Out>& events_;
 
-  std::mutex mutex_;  ///< Guards the following. gRPC never calls back inside Start*() or Finish().
+  std::mutex mutex_;  ///< Guards the following. gRPC makes no callbacks inside Start*() or Finish().
   In in_;
-  std::deque<Out> queue_;  ///< While writing_, the first message is being written.
+  std::deque<Out> queue_;  ///< While writing_ is set, the first message is being written.
   grpc::Status status_;
   bool writing_ = false;
   bool ending_ = false;

@@ -7,9 +7,10 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// A node that a session uses counts as freer by this much, so that it leaves only for one that is clearly better.
+/// Amount by which a node that a session uses counts as freer, so that the session leaves only for a clearly better
+/// one.
 constexpr double kStay = 0.15;
-/// Part of the latest time between two frames in the smoothed one.
+/// Weight of the latest time between two frames in the smoothed time.
 constexpr double kNew = 0.2;
 
 }  // namespace

@@ -11,32 +11,33 @@
 
 namespace cyclorama::coordinator {
 
-/// Spreads sessions over the farm. Each session's balancer splits its pictures by the nodes' speeds and order; Placement
-/// gives it speeds that take the work of all other sessions into account, and an order in which the nodes that others
-/// use least come first.
+/// Spreads sessions over the farm. Each session's balancer splits its pictures by the nodes' speeds and order.
+/// Placement provides speeds that take the work of all other sessions into account, and an order that begins with the
+/// nodes that other sessions use least.
 ///
-/// A session stays where it is: nodes that it uses are preferred to slightly freer ones, its order of nodes never
-/// changes, and what another node's arrival or loss changes concerns only those who use it. Pure; thread-bound.
+/// A session tends to stay on its nodes: nodes that it uses are preferred to slightly freer ones, its order of nodes
+/// never changes, and the arrival or loss of another node affects only the sessions that use that node. Pure;
+/// thread-bound.
 class Placement {
  public:
-  /// Wall time that a node is expected to work for one frame of the session.
+  /// Expected wall time of a node for one frame of the session.
   struct NodeWork {
     NodeId node{};
     double seconds = 0.0;
   };
 
-  /// Sorts `nodes`, which can render the session's scene, into the session's order.
+  /// Sorts `nodes`, the nodes that can render the session's scene, into the session's order.
   void arrange(SessionId session, std::vector<NodeId>* nodes);
-  /// Returns the part of the node's speed that other sessions leave to this one, in steps of kStep and at least that.
+  /// Returns the fraction of the node's speed that other sessions leave to this one, in steps of kStep; at least kStep.
   [[nodiscard]] double free_part(SessionId session, NodeId node) const;
-  /// A moving picture was split so; replaces the session's earlier one.
+  /// Records how a moving picture was split; replaces the record of the session's previous picture.
   void planned(SessionId session, std::span<const NodeWork> works, TimePoint now);
-  /// Forgets the work of sessions that planned no picture lately.
+  /// Forgets the work of sessions that have planned no picture within kExpiry.
   void expire(TimePoint now);
   void forget(SessionId session);
   void forget(NodeId node);
 
-  /// Part of the node's time that all sessions take.
+  /// Returns the fraction of the node's time that all sessions take.
   [[nodiscard]] double load(NodeId node) const;
 
   static constexpr double kStep = 0.125;
@@ -44,14 +45,14 @@ class Placement {
 
  private:
   struct Place {
-    std::map<NodeId, std::size_t> order;  ///< Position of each node that could ever render its scene.
+    std::map<NodeId, std::size_t> order;  ///< Position of each node that the session has ever been able to use.
     std::size_t next_position = 0;
-    std::map<NodeId, double> loads;  ///< Part of each node's time.
-    double seconds_per_frame = 1.0;  ///< Smoothed.
+    std::map<NodeId, double> loads;  ///< Fraction of each node's time that the session takes.
+    double seconds_per_frame = 1.0;  ///< Smoothed time between two frames.
     TimePoint planned_at{};
   };
   [[nodiscard]] double load_of_others(const Place& place, NodeId node) const;
-  /// Removes the place's work from the nodes.
+  /// Subtracts the work of `place` from the loads of the nodes.
   void clear(Place* place);
 
   std::map<SessionId, Place> places_;

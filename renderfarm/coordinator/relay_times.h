@@ -13,16 +13,16 @@
 
 namespace cyclorama::coordinator {
 
-/// Measures the coordinator's own delay of messages to museums: for each tile, from its arrival (or the end of what
-/// held it back) until it is written to the museum; for each frame, everything but the rays. Used by Coordinator;
-/// thread-bound.
+/// Measures the delay that the coordinator adds to messages for museums. For each tile, it is the time from the tile's
+/// arrival, or from when it was no longer held back, until it is written to the museum; for each frame, the frame's
+/// overhead. Used by Coordinator; thread-bound.
 ///
-/// A frame's overhead is the time from its view's arrival to the writing of its last tile, minus the time spent waiting
-/// for older frames of its session, and minus the longest time that one of its blocks was away. Frames with moved or
-/// reassigned blocks are left out, since their blocks were away one after the other.
+/// A frame's overhead is the time from the arrival of its view to the writing of its last tile, minus the time spent
+/// waiting for older frames of its session, and minus the longest time that one of its blocks was at a node. Frames
+/// with moved or reassigned blocks are omitted, since these blocks were at several nodes in succession.
 class RelayTimes {
  public:
-  /// A message was queued for the museum, caused by an event at `cause`.
+  /// Records that a message was queued for the museum because of an event at `cause`.
   void sent(SessionId session, TimePoint cause);
   /// To be called after the frame's end was sent.
   void frame_ended(const FrameReport& report);
@@ -32,7 +32,8 @@ class RelayTimes {
     std::optional<double> relay_seconds{};     ///< Set if the message is a tile.
     std::optional<double> overhead_seconds{};  ///< Set if the message is a frame's end.
   };
-  /// The oldest message that was sent and not yet taken has been written. Returns nothing for a session that has ended.
+  /// Records that the oldest message passed to sent() and not yet taken has been written. Returns nothing for a session
+  /// that has ended.
   Times taken(SessionId session, const wire::SessionReply& reply, TimePoint at);
 
  private:

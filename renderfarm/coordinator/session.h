@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Records of nodes and of museums' sessions: plain data of CoordinatorState.
+/// Plain data of CoordinatorState: the records of nodes and of museums' sessions.
 #pragma once
 
 #include <algorithm>
@@ -37,39 +37,39 @@ struct FrameInFlight {
   wire::View view;       ///< The view as rendered.
   FrameAssembly assembly{};
   TimePoint received_at{};    ///< Arrival of the view.
-  TimePoint turn_began_at{};  ///< Start of planning.
+  TimePoint turn_began_at{};  ///< Time when planning began.
   TimePoint planned_at{};
   TimePoint fanned_out_at{};       ///< Time when the last command of the plan was written.
   std::uint64_t last_planned = 0;  ///< Number of the plan's last block; higher ones were reassigned or moved.
-  /// Time when it became the oldest frame of its session: its deadlines count from here.
+  /// Time when it became the oldest frame of its session; its deadlines are counted from then.
   TimePoint foremost_since{};
   TimePoint last_tile_at{};
-  bool begun = false;              ///< Its `begin` was sent: tiles are relayed as they arrive.
+  bool begun = false;              ///< True once its `begin` was sent; its tiles are then relayed as they arrive.
   std::vector<wire::Tile> held{};  ///< Tiles that arrived while an older frame was open.
   std::size_t bytes = 0;           ///< Bytes of all its tiles.
   std::optional<std::string> failure{};
-  bool late = false;  ///< It failed only because of the deadline.
-  int moved = 0;      ///< Blocks that an idle node took over.
+  bool late = false;  ///< True if it failed only because of the deadline.
+  int moved = 0;      ///< Number of blocks that an idle node took over.
   Accounts::Turn turn{};
   double charged_seconds = 0.0;                    ///< Cpu-seconds of its ended blocks.
-  double threads = 0.0;                            ///< Summed over all nodes that got blocks of its plan.
+  double threads = 0.0;                            ///< Sum of the threads of all nodes that got blocks of its plan.
   std::int64_t asked_px = 0;                       ///< Pixels of the requested panorama, before any scaling.
-  double work = 0.0;                               ///< MeasuredFrame::work, if the session is governed; else 0.
-  std::optional<governor::SampleRange> refines{};  ///< Samples that it adds to a picture at rest.
+  double work = 0.0;                               ///< See MeasuredFrame::work; 0 unless the session is governed.
+  std::optional<governor::SampleRange> refines{};  ///< Range of samples that it adds to a picture at rest.
 
   [[nodiscard]] bool is_over() const { return failure || assembly.is_complete(); }
 };
 
-/// A frame whose end has not been written yet.
+/// A frame that is over and whose end has not been written yet.
 struct WrittenFrame {
   std::uint64_t view_number = 0;
   TimePoint planned_at{};
   TimePoint last_tile_at{};
   bool reassigned = false;
-  double work = 0.0;        ///< FrameInFlight::work.
-  double rays_ms = 0.0;     ///< MeasuredFrame::rays_ms; 0 if parts of the frame were not rendered as planned.
+  double work = 0.0;        ///< See FrameInFlight::work.
+  double rays_ms = 0.0;     ///< See MeasuredFrame::rays_ms; 0 if parts of the frame were not rendered as planned.
   double megapixels = 0.0;  ///< Requested size, before any scaling.
-  int samples_added = 0;    ///< Samples per pixel that a refinement added; else 0.
+  int samples_added = 0;    ///< Samples per pixel that a refinement added; 0 for other frames.
 };
 
 struct Session {
@@ -78,41 +78,43 @@ struct Session {
   std::string scene{};  ///< Empty until the session is opened.
   TimePoint arrived_at{};
   std::uint64_t newest_view = 0;
-  /// The views in flight are those of `frames` and `unwritten_ends`, so a view waits until an older frame is written.
+  /// Counts the frames of `frames` and `unwritten_ends` as in flight, so a view waits until an older frame is written.
   FrameWindow<ReceivedView> views{};
-  std::deque<FrameInFlight> frames{};  ///< Oldest first; the first is relayed to the museum. A refinement is alone.
+  /// Oldest first; tiles of the first frame are relayed to the museum. A refinement is never in flight with another
+  /// frame.
+  std::deque<FrameInFlight> frames{};
   std::deque<WrittenFrame> unwritten_ends{};
   std::size_t bytes_waiting = 0;  ///< Bytes of held tiles and of tiles that the museum has not taken yet.
   std::size_t messages_waiting = 0;
   TimePoint taken_at{};  ///< Time when the museum last took a message.
   std::unique_ptr<balance::Balancer> balancer{};
-  std::unique_ptr<GovernorState> governed{};  ///< Null: each view sets its own quality.
+  std::unique_ptr<GovernorState> governed{};  ///< Null: each view specifies its quality.
   AccountId account{};
-  bool costs_known = false;  ///< A frame was measured, so forecasts have a basis.
-  /// The charge of its last moving frame and of its last refinement; each predicts that of the next one of its kind.
+  bool costs_known = false;  ///< True once a frame was measured, so that forecasts have a basis.
+  /// Charges of the last moving frame and of the last refinement; each predicts the charge of the next one of its kind.
   double frame_cpu_seconds = 0.05;
   double refinement_cpu_seconds = 0.05;
   double pace_seconds = kInitialPaceSeconds;  ///< Recent frame time: a maximum that decays slowly.
-  TimePoint next_due = TimePoint::max();      ///< Next deadline of the foremost frame.
-  std::uint64_t watermark = 0;                ///< Watermark in wire::RenderBlock.
+  TimePoint next_due = TimePoint::max();      ///< Next deadline of the oldest frame.
+  std::uint64_t watermark = 0;                ///< See wire::RenderBlock::watermark.
 
   static constexpr double kInitialPaceSeconds = 0.5;
   static constexpr double kMaxPaceSeconds = 60.0;
-  /// Updates the pace with a frame's time, counted from when it became the foremost.
+  /// Updates the pace with the time of a frame, counted from when it became the oldest frame of the session.
   void learn_pace(double seconds) {
     constexpr double kNew = 0.1;
     pace_seconds = std::min(kMaxPaceSeconds, std::max(seconds, (1.0 - kNew) * pace_seconds + kNew * seconds));
   }
-  /// Doubles the pace after a missed deadline, so that deadlines which are too short do not starve the session.
+  /// Doubles the pace after a missed deadline, so that too short deadlines do not starve the session.
   void miss_pace() { pace_seconds = std::min(kMaxPaceSeconds, 2.0 * pace_seconds); }
 };
 
 struct BlockLocation {
   SessionId session{};
   std::uint64_t frame = 0;
-  AccountId account{};  ///< Is charged for the block, whatever becomes of the session and the frame.
+  AccountId account{};  ///< Account that is charged for the block, even after the session or the frame has ended.
   WorkClass work = WorkClass::kMoving;
-  double charged_seconds = 0.0;  ///< So far.
+  double charged_seconds = 0.0;  ///< Cpu-seconds charged so far.
 };
 
 struct Node {
@@ -120,35 +122,35 @@ struct Node {
   struct LoadedScene {
     SceneState state = SceneState::kLoading;
     std::string error{};
-    std::uint64_t memory_bytes = 0;  ///< The size that the node reported.
+    std::uint64_t memory_bytes = 0;  ///< Size that the node reported.
     /// Speed of one of the node's threads in this scene, relative to the threads of the first node.
     double speed = 1.0;
     TimePoint asked_at{};                    ///< Time of the order to load the scene.
     std::deque<wire::LightVersion> light{};  ///< Versions of the scene's light that the node has, newest first.
     bool can_compute_light = false;
-    bool has_failed_to_compute = false;  ///< It could not compute light, and gets no further order to.
-    bool has_failed_to_use = false;      ///< It could not fetch or use the current light.
-    std::string offered_light{};         ///< Version that it last got the order to use, ...
-    TimePoint light_offered_at{};        ///< ... and when.
+    bool has_failed_to_compute = false;  ///< True if it failed to compute light; it gets no further order.
+    bool has_failed_to_use = false;      ///< True if it could not fetch or use the current light.
+    std::string offered_light{};         ///< Version that the node was last ordered to use.
+    TimePoint light_offered_at{};        ///< Time of that order.
   };
   std::string name{};
   double threads = 0.0;  ///< 0 until hello.
   TimePoint arrived_at{};
-  TimePoint worked_at{};  ///< Time when it last sent a tile, ended a block, or got one while it had none.
-  /// Accounts whose frames it delayed, and it has been silent since. A single one may only have requested more than
-  /// anybody could render in time.
+  TimePoint worked_at{};  ///< Time when it last sent a tile, ended a block, or received one while it had none.
+  /// Accounts whose frames the node delayed, if it has been silent since then. With a single account, the cause may be
+  /// that the account requested more than any node could render in time.
   std::set<AccountId> late_for{};
-  std::optional<TimePoint> late_logged_at{};  ///< Time of the last log line about it.
-  int late_unlogged = 0;                      ///< Unlogged repetitions since then.
+  std::optional<TimePoint> late_logged_at{};  ///< Time of the last log line about its lateness.
+  int late_unlogged = 0;                      ///< Number of unlogged repetitions since then.
   double utilisation = 1.0;                   ///< Recent utilisation of its threads by its blocks.
   double used_seconds = 0.0;                  ///< Thread time of its blocks, decayed.
-  double possible_seconds = 0.0;              ///< Wall time of all threads meanwhile, decayed.
+  double possible_seconds = 0.0;              ///< Wall time of its blocks times its threads, decayed.
   TimePoint measured_at{};                    ///< Time of the last measurement or estimate.
-  wire::NodeStatus status{};                  ///< Its latest report.
+  wire::NodeStatus status{};                  ///< Latest status report.
   std::map<std::string, LoadedScene> scenes{};
-  std::map<std::uint64_t, BlockLocation> blocks{};  ///< Assigned and not yet ended, whether or not still wanted.
+  std::map<std::uint64_t, BlockLocation> blocks{};  ///< Assigned blocks that have not ended, still wanted or not.
 
-  /// Returns true if it gets no new blocks of the account while other nodes do.
+  /// Returns true if the node gets no new blocks of the account while other nodes do.
   [[nodiscard]] bool is_late(AccountId account) const { return late_for.size() > 1 || late_for.contains(account); }
   [[nodiscard]] bool has(const std::string& scene) const {
     const auto found = scenes.find(scene);
@@ -157,15 +159,15 @@ struct Node {
   [[nodiscard]] bool has_light(const std::string& scene, const std::string& version) const;
 };
 
-/// Returns the digits of a light's version that people read.
+/// Returns the first digits of a light's version, for messages.
 [[nodiscard]] std::string short_version(const std::string& version);
 
-/// The farm's knowledge of the light of a scene.
+/// The coordinator's knowledge of the light of a scene.
 struct SceneLightState {
-  std::string in_use{};                  ///< Version that new frames name; empty: their paths are traced.
-  wire::LightVersion target{};           ///< The one that all nodes shall have; empty: none is known.
+  std::string in_use{};                  ///< Version for new frames; empty: their paths are traced.
+  wire::LightVersion target{};           ///< Version that all nodes should have; empty if none is known.
   std::optional<TimePoint> stored_at{};  ///< Time from which the coordinator has the target's file; null: it has not.
-  NodeId sending{};                      ///< The node that got the order to send it.
+  NodeId sending{};                      ///< Node that was ordered to send the target's file.
   TimePoint send_ordered_at{};
   std::map<NodeId, TimePoint> computing{};  ///< Nodes that got the order to take part in computing light, and when.
   LightBoard board{};                       ///< The division of the work among them.

@@ -14,7 +14,7 @@ Error none(const std::string& image) {
   return Error(ErrorCode::kNotFound, fmt::format("this farm has no version of '{}'", printable(image, 100)));
 }
 
-/// Leaves out paths on the farm's host, which are of no use to a museum.
+/// Returns an error without paths on the farm's host, which are of no use to a museum.
 Error unreadable() {
   return Error(ErrorCode::kBadData,
                "the files in the farm's folder of updates cannot be read; its operator must copy them again");

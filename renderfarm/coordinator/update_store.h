@@ -10,22 +10,24 @@
 
 namespace cyclorama::coordinator {
 
-/// The farm's folder of system updates. It has one folder per image, with the contents of the folder `update/` that
-/// image/build made:
+/// The farm's folder of system updates. It contains one folder per image, which holds the contents of the folder
+/// `update/` that image/build created:
 ///
 ///   /srv/updates/cyclorama-museum/   SHA256SUMS  SHA256SUMS.sig  cyclorama-museum_V.efi  ..._UUID.root.raw
 ///   ..._UUID.verity.raw
 ///
-/// Copy SHA256SUMS.sig last: without it there is no version. The folder is read anew at every request, so new files
-/// need no restart. Only files that SHA256SUMS names are handed out. Reentrant.
+/// Copy SHA256SUMS.sig last: a folder without it counts as having no version. The folder is read again for every
+/// request, so new files need no restart. Only files that SHA256SUMS lists are served. Reentrant.
 class UpdateStore {
  public:
   /// An empty folder name means that there are no updates.
   explicit UpdateStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// Errors: kNotFound if there is no such image; kBadData if its files are incomplete or unreadable.
+  /// Returns the current version of an image. Errors: kNotFound if there is no such image; kBadData if its files are
+  /// incomplete or unreadable.
   [[nodiscard]] Result<wire::UpdateOffer> offer(const std::string& image) const;
-  /// Opens the file that SHA256SUMS lists with that digest. Errors: as offer(); kNotFound if it is not listed.
+  /// Opens the file that SHA256SUMS lists with this digest. Errors: those of offer(); kNotFound if the digest is not
+  /// listed.
   [[nodiscard]] Result<scene_distribution::StampedFile> open(const std::string& image, const std::string& sha256) const;
 
  private:

@@ -10,18 +10,18 @@
 namespace cyclorama::denoise {
 namespace {
 
-constexpr int kChunk = 256;  ///< Pixels per chunk, such that their sums fit into the L1 cache.
+constexpr int kChunk = 256;  ///< Pixels per chunk; their sums fit into the L1 cache.
 
-/// Inverse of the squared distance between unit normals at which the weight falls to 1/e: 10 degrees.
+/// Inverse of the squared distance between unit normals at which the weight is 1/e: 10 degrees.
 constexpr float kPerNormal = 32.0f;
-/// The same for the neighbour's distance from the pixel's tangent plane, in footprints per pixel of step.
+/// Inverse of the distance from the pixel's tangent plane, in footprints per pixel of step, at which the weight is 1/e.
 constexpr float kPerFootprint = 1.0f;
 
 struct Sums {
   alignas(64) std::array<float, kChunk> red, green, blue, variance, weight;
 };
 
-/// A run of pixels, as centres or as neighbours of others.
+/// A run of consecutive pixels, used as centres or as neighbours.
 struct Run {
   Run(const Guide& guide, const LightPlanes& light, const Plane& inverse, int x, int y)
       : normal_x(guide.normal_x.at(x, y)),
@@ -82,13 +82,13 @@ void gather(int count, const Run& q, const float* __restrict weight, float* __re
   }
 }
 
-/// Offset and weight of a neighbour.
+/// Offset of a neighbour and its weights.
 struct Neighbour {
   int dx, dy;
   float kernel, per_step;
 };
 
-/// Adds the contribution of the neighbours at one offset to the run of `count` pixels from (x, y).
+/// Adds the contribution of the neighbours at one offset to the sums of the `count` pixels from (x, y).
 void add_neighbour(const Guide& guide, const LightPlanes& light, const Plane& per_tolerance, const Neighbour& neighbour,
                    int x, int y, int count, Sums* sums) {
   const int first = std::max(x, -neighbour.dx);
@@ -117,8 +117,8 @@ void divide(int count, const Sums& sums, float* __restrict red, float* __restric
   }
 }
 
-/// Computes the inverse of the squared luminance difference at which the weight falls to 1/e. Without variance, only
-/// pixels equal to within float precision are averaged.
+/// Computes the inverse of the squared difference of luminance at which the weight is 1/e. Without variance, only
+/// pixels that are equal within float precision are averaged.
 CYCLORAMA_VECTOR_CLONES
 void invert_tolerance(std::size_t count, const float* __restrict variance, const float* __restrict luminance,
                       const float* __restrict tolerance, float* __restrict ret) {

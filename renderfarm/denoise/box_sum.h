@@ -5,9 +5,9 @@
 
 namespace cyclorama::denoise {
 
-/// Computes the sum over the square of 2 * radius + 1 pixels around each pixel, clipped to the plane. The order of
-/// addition is fixed, so a pixel's sum does not depend on where the plane begins. `scratch` and `ret_sum` are reshaped.
-/// Reentrant.
+/// Computes, for each pixel, the sum over the square of 2 * radius + 1 pixels around it, clipped to the plane. The
+/// order of addition is fixed, so a pixel's sum does not depend on where the plane begins. `scratch` and `ret_sum` are
+/// reshaped. Reentrant.
 void box_sum(const Plane& plane, int radius, Plane* scratch, Plane* ret_sum);
 
 }  // namespace cyclorama::denoise

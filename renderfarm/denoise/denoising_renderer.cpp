@@ -23,7 +23,7 @@
 namespace cyclorama::denoise {
 namespace {
 
-/// Size of a strip, which one thread filters in some milliseconds. Each has margins of its own, which are filtered twice.
+/// Size of a strip, which one thread filters in some milliseconds. The margins of each strip are filtered twice.
 constexpr int kStripHeightPx = 96;
 constexpr int kStripWidthPx = 512;
 
@@ -51,7 +51,7 @@ void add(const render::RenderCost& part, render::RenderCost* sum) {
   sum->cell_cpu_seconds.insert(sum->cell_cpu_seconds.end(), part.cell_cpu_seconds.begin(), part.cell_cpu_seconds.end());
 }
 
-/// Adds the cost of more samples of the same cells.
+/// Adds the cost of further samples of the same cells.
 void add_same_cells(const render::RenderCost& more, render::RenderCost* sum) {
   CHECK(more.cell_cpu_seconds.size() == sum->cell_cpu_seconds.size());
   std::vector<float> cells = std::move(sum->cell_cpu_seconds);
@@ -60,8 +60,8 @@ void add_same_cells(const render::RenderCost& more, render::RenderCost* sum) {
   sum->cell_cpu_seconds = std::move(cells);
 }
 
-/// Returns a film's cost for the cells that `rect` touches. The cost of the margin and of denoising is spread evenly
-/// over all cells, because other cuts have their margins elsewhere.
+/// Returns a film's cost for the cells that `rect` touches. The cost of the margin and of denoising is distributed
+/// evenly over these cells, because other cuts would have their margins elsewhere.
 render::RenderCost has_cell_times(render::RenderCost cost, const PixelRect& wide, const PixelRect& rect) {
   const PixelRect from = cells_touched(wide);
   const PixelRect cells = cells_touched(rect);
@@ -86,7 +86,7 @@ InverseDepthImage depth_of(const render::Film& film, const PixelRect& wide, cons
   return cropped(film.depth, {cells.x - from.x, cells.y - from.y, cells.width, cells.height});
 }
 
-/// Puts one image below another of the same width.
+/// Appends an image below another of the same width.
 template <typename Pixels>
 void append_below(const Pixels& lower, Pixels* upper) {
   const Pixels above = std::exchange(*upper, Pixels(lower.width(), upper->height() + lower.height()));
@@ -233,7 +233,7 @@ render::RenderCost DenoisingRenderer::advance_within(const render::PanoramaView&
                                                      const std::function<bool()>& stop, RadianceImage* ret_pixels,
                                                      InverseDepthImage* ret_depth) {
   const PixelRect wide = rect.empty() ? rect : grown(rect, Denoiser::halo_px(), bounds);
-  // It stays true once set; otherwise a film with holes would pass for a complete one.
+  // `stopped` stays true once set; otherwise a film with gaps could be taken for a complete one.
   std::atomic<bool> stopped = false;
   const auto stop_for_good = [&] {
     if (!stopped && stop && stop()) stopped = true;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Renders denoised pictures of a scene: traces with a margin, denoises, and crops to the requested rect.
+/// Renders denoised pictures of a scene: traces the requested rect and a margin, denoises, and crops.
 ///
-/// The margin is Denoiser::halo_px() on each side within the picture, traced in whole cells of 16x16 pixels, so a small
-/// rect costs more per pixel than a large one. Pixels equal those of the whole picture to the last bit. In stereo, each
-/// eye's picture is denoised by itself, without data from the other.
+/// The margin is Denoiser::halo_px() on each side within the picture, and whole cells of 16x16 pixels are traced, so a
+/// small rect costs more per pixel than a large one. Pixels are bit-identical to those of the whole picture. In stereo,
+/// each eye's picture is denoised without data from the other.
 #pragma once
 
 #include <array>
@@ -16,49 +16,49 @@
 
 namespace cyclorama::denoise {
 
-/// Errors: kInvalidArgument, in one sentence, for a stereo picture whose eyes are not separated at a multiple of kCutPx
-/// pixels.
+/// Checks that a view can be denoised. Errors: kInvalidArgument, one sentence, for a stereo picture whose eyes are not
+/// separated at a multiple of kCutPx pixels.
 [[nodiscard]] Status check_denoisable(const render::PanoramaView& view);
 
-/// The finished part of a rect, so that it can be interrupted and continued. Movable; of one DenoisingRenderer call
-/// sequence, always with the same view and rect.
+/// The finished part of a rect, with which an interrupted rendering continues. Movable. Must be used with only one
+/// DenoisingRenderer, and always with the same view and rect.
 class UnfinishedPicture {
  public:
   [[nodiscard]] bool is_done() const { return done_; }
 
  private:
   friend class DenoisingRenderer;
-  /// The part that lies in one eye's picture.
+  /// The part of the rect that is in one eye's picture.
   struct Part {
-    render::Film film;   ///< Finished pieces of samples.
-    render::Film piece;  ///< The current one.
-    int samples = 0;     ///< Per pixel, in `film`.
+    render::Film film;   ///< Sum of the finished pieces of samples.
+    render::Film piece;  ///< Film of the current piece.
+    int samples = 0;     ///< Number of samples per pixel in `film`.
     PixelRays rays;
     RadianceImage wide;
-    std::vector<std::uint8_t> strips;  ///< 1 for each strip that is denoised.
+    std::vector<std::uint8_t> strips;  ///< 1 for each denoised strip.
     bool is_done = false;
   };
   std::array<Part, 2> parts_;
   bool done_ = false;
 };
 
-/// Renders and denoises. Keeps its memory from one picture to the next, and a reference to the renderer, which must
+/// Renders and denoises. Reuses its memory for successive pictures. Keeps a reference to the renderer, which must
 /// outlive it. Thread-bound.
 class DenoisingRenderer {
  public:
-  /// Denoises with `threads` threads (0: one per core); pixels do not depend on their number.
+  /// Denoises with `threads` threads (0: one per core). Pixels do not depend on their number.
   DenoisingRenderer(const render::Renderer& renderer, int threads);
 
-  /// Like the Renderer functions of the same name; the cost includes the margin and the filter. Precondition:
-  /// check_view() and check_denoisable(). The filter leaves depth alone.
+  /// Like the functions of Renderer with the same names. The cost includes the margin and the filter; depth is not
+  /// filtered. Precondition: check_view() and check_denoisable() accept the view.
   render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                             const std::function<bool()>& cancelled, InverseDepthImage* ret_depth = nullptr);
   render::RenderCost render_radiance(const render::PanoramaView& view, const PixelRect& rect, RadianceImage* ret_pixels,
                                      const std::function<bool()>& cancelled, InverseDepthImage* ret_depth = nullptr);
 
-  /// Continues `picture` until it is done or `stop` returns true, which is called before each cell and each strip of the
-  /// filter, from any thread; both take some milliseconds. Nothing is done twice, and pixels do not depend on the
-  /// interruptions. Returns the cost of this call. `ret_pixels` and `ret_depth` are written when the picture is done.
+  /// Continues `picture` until it is done or `stop` returns true. `stop` is called before each cell and each strip of
+  /// the filter, which take some milliseconds each, from any thread. No work is repeated, and pixels do not depend on
+  /// interruptions. Returns the cost of this call. `ret_pixels` and `ret_depth` are written once the picture is done.
   render::RenderCost advance(const render::PanoramaView& view, const PixelRect& rect, UnfinishedPicture* picture,
                              const std::function<bool()>& stop, RgbImage* ret_pixels, InverseDepthImage* ret_depth);
 
@@ -66,14 +66,14 @@ class DenoisingRenderer {
   render::RenderCost advance_radiance(const render::PanoramaView& view, const PixelRect& rect,
                                       UnfinishedPicture* picture, const std::function<bool()>& stop,
                                       RadianceImage* ret_pixels, InverseDepthImage* ret_depth);
-  /// Precondition: `rect` lies inside `bounds`, to which the margin is clipped.
+  /// The margin is clipped to `bounds`. Precondition: `rect` is inside `bounds`.
   render::RenderCost advance_within(const render::PanoramaView& view, const PixelRect& bounds, const PixelRect& rect,
                                     UnfinishedPicture::Part* part, const std::function<bool()>& stop,
                                     RadianceImage* ret_pixels, InverseDepthImage* ret_depth);
-  /// Completes the film of `wide`, unless stopped.
+  /// Renders the rest of the film of `wide`, unless stopped.
   render::RenderCost trace(const render::PanoramaView& view, const PixelRect& wide, UnfinishedPicture::Part* part,
                            const std::function<bool()>& stop) const;
-  /// Denoises what is left of `rect`, a part of `wide`, unless stopped. Returns the thread time.
+  /// Denoises the rest of `rect`, a part of `wide`, unless stopped. Returns the thread time.
   double denoise(const PixelRect& wide, const PixelRect& rect, UnfinishedPicture::Part* part,
                  const std::function<bool()>& stop);
 

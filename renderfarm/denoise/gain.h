@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Gain of denoising and the bias that it introduces, reported separately.
+/// Measures the gain of denoising and, separately, the bias that it introduces.
 #pragma once
 
 #include <functional>
@@ -10,11 +10,12 @@
 
 namespace cyclorama::denoise {
 
-/// Mean squared errors over pixels and channels, each divided by (reference^2 + 0.01), as in relMSE. A value.
+/// Mean squared errors over pixels and channels. Each error is divided by (reference^2 + 0.01), as in relMSE. A value.
 struct DenoiseGain {
-  double mse_before = 0.0;  ///< Mean of the films' own errors.
-  double mse_after = 0.0;   ///< Denoised pictures: bias2 + variance_after, up to the reference's own noise.
-  /// Error that averaging denoised pictures does not remove. An unbiased estimate, so it may be negative.
+  double mse_before = 0.0;  ///< Mean error of the films before denoising.
+  /// Mean error of the denoised pictures: bias2 + variance_after. Includes the noise of the reference.
+  double mse_after = 0.0;
+  /// Error that averaging denoised pictures does not remove. An unbiased estimate, which may be negative.
   double bias2 = 0.0;
   double variance_after = 0.0;  ///< Error that averaging removes.
 
@@ -24,8 +25,8 @@ struct DenoiseGain {
 
 using DenoiseFilm = std::function<RadianceImage(const render::Film&)>;
 
-/// Measures the gain from independent films (of different seeds) of one view. `denoise` is called once for each.
-/// Errors: kInvalidArgument if there are fewer than two films, or if sizes differ.
+/// Measures the gain from independent films of one view with different seeds. Calls `denoise` once per film. Errors:
+/// kInvalidArgument if there are fewer than two films, or if sizes differ.
 [[nodiscard]] Result<DenoiseGain> measure_gain(const RadianceImage& reference, std::span<const render::Film> films,
                                                const DenoiseFilm& denoise);
 

@@ -10,30 +10,31 @@
 namespace cyclorama::denoise {
 namespace {
 
-// These bounds keep squares, and sums of them, within the range of float.
+// These bounds keep squares and their sums within the range of float.
 constexpr float kMaxRadiance = 1e12f;
 constexpr float kMaxVariance = 1e30f;
 constexpr float kMaxDistance = 1e15f;
 constexpr float kMinFootprint = 1e-20f;
 
-/// Lower bound of the albedo that divides light, so that black surfaces do not amplify it excessively.
+/// Lower bound of the albedo by which light is divided, so that black surfaces do not amplify it excessively.
 constexpr float kMinAlbedo = 0.01f;
 
 constexpr int kFireflyRadius = 2;
 constexpr int kVarianceRadius = 1;
 static_assert(kGuideReachPx == kFireflyRadius + kVarianceRadius);
 
-/// Upper bound of a pixel's excess over the mean of its neighbours, in standard deviations of theirs.
+/// Maximum excess of a pixel over the mean of its neighbours, in standard deviations of the neighbours.
 constexpr float kFireflyDeviations = 4.0f;
-/// A pixel whose excess is this many of its own standard errors is a highlight, not a firefly.
+/// If the excess is more than this many standard errors of the pixel, the pixel is a highlight and not a firefly.
 constexpr float kSureErrors = 3.0f;
 
-/// Tolerance in variances at few samples, and the number of samples at which it is halved. The samples of a pixel are
-/// stratified, so their spread increasingly overestimates the error; the tolerance falls as fast as they converge.
+/// Tolerance in variances at few samples, and the number of samples at which it is halved. A pixel's samples are
+/// stratified, so their spread increasingly overestimates the error; the tolerance falls as the samples converge.
+/// converge.
 constexpr float kTolerance = 64.0f;
 constexpr float kToleranceHalved = 8.0f;
 
-/// Clamps to [-max, max]; NaN and infinities give 0.
+/// Clamps to [-max, max]; NaN and infinities become 0.
 inline float finite(float value, float max) {
   const float cut = value < max ? value : max;
   const float whole = cut > -max ? cut : -max;
@@ -45,7 +46,7 @@ inline float divisor(float albedo) {
   return a > kMinAlbedo ? a : kMinAlbedo;
 }
 
-/// Three planes of one row of an interleaved image.
+/// One row of an interleaved image, separated into three planes.
 struct Row3 {
   explicit Row3(int count) : x(static_cast<std::size_t>(count)), y(x.size()), z(x.size()) {}
   std::vector<float> x, y, z;
@@ -83,7 +84,7 @@ void demodulate(int count, const float* __restrict per_sample, const float* __re
   }
 }
 
-/// Computes the variance of the mean over the pixel's samples; 0 for a single sample.
+/// Computes the variance of the mean of each pixel's samples; 0 for a single sample.
 CYCLORAMA_VECTOR_CLONES
 void sample_variance(int count, const float* __restrict per_sample, const float* __restrict square,
                      const float* __restrict raw, const float* __restrict luminance, float* __restrict variance) {
@@ -258,7 +259,7 @@ void GuideMaker::tame_fireflies(Guide* guide) {
   find_fireflies(size, light.luminance.data().data(), light.variance.data().data(), guide->weight.data().data(),
                  per_sample_.data().data(), around_.count.data().data(), around_.sum.data().data(),
                  around_.square.data().data(), scale_.data().data());
-  // A variance is a square, so it is scaled twice.
+  // Variance appears twice, because it is scaled by the square.
   for (Plane* const plane :
        {&light.red, &light.green, &light.blue, &light.luminance, &light.variance, &light.variance}) {
     scale_by(size, scale_.data().data(), plane->data().data());

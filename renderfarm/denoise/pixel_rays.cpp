@@ -15,12 +15,12 @@ namespace {
 double radians_per_px(const PictureShape& shape) {
   const PixelScale scale = pixel_scale(shape);
   if (!std::holds_alternative<Perspective>(shape)) return 1.0 / scale.u_per_across;
-  // At the centre of a perspective, coordinates are tangents: the angle per unit is the squared cosine.
+  // In a perspective, coordinates are tangents; at the centre, the angle per unit is the squared cosine.
   const PicturePlace middle = scale.place_at({0.5 * width_px(shape), 0.5 * height_px(shape)});
   return 1.0 / (1.0 + std::pow(middle.across, 2) + std::pow(middle.up, 2)) / scale.u_per_across;
 }
 
-/// Returns the directions of pixel centres; `seen` returns the direction of a pixel, if it has one.
+/// Returns the directions of pixel centres. `seen` returns the direction of a pixel, or nothing if it has none.
 PixelRays rays_of(const PictureShape& shape, double heading_rad, const PixelRect& rect, const auto& seen) {
   const Eigen::Vector3d axis = direction_of(shape, {});
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(-heading_rad, Eigen::Vector3d::UnitY()).toRotationMatrix();

@@ -7,10 +7,10 @@
 
 namespace cyclorama::denoise {
 
-/// One value per pixel, rows from the top. Unlike an Image, it keeps its memory when it is resized. A value.
+/// One value per pixel, rows from the top. Unlike an Image, keeps its memory when resized. A value.
 class Plane {
  public:
-  /// Leaves the pixel values unspecified.
+  /// Changes the size. Pixel values are unspecified afterwards.
   void reshape(int width, int height) {
     width_ = width;
     height_ = height;
@@ -18,7 +18,7 @@ class Plane {
   }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
-  /// Precondition: (x, y) is inside.
+  /// Precondition: (x, y) is inside the plane.
   [[nodiscard]] float* at(int x, int y) { return values_.data() + index_of(x, y); }
   [[nodiscard]] const float* at(int x, int y) const { return values_.data() + index_of(x, y); }
   [[nodiscard]] std::span<float> data() { return values_; }

@@ -12,7 +12,7 @@ constexpr double kMoreExpensive = 1.25;
 constexpr double kCheaper = 0.8;
 constexpr double kCostForgetting = 0.2;
 constexpr double kNoiseForgetting = 0.05;
-/// A frame that hung counts with at most this multiple of the noise so far.
+/// Factor by which one frame may increase the noise at most, so that a frame that hung counts little.
 constexpr double kMaxNoiseGrowth = 2.5;
 constexpr double kSameWork = 0.1;
 constexpr double kMinNoise = 0.02;
@@ -20,24 +20,25 @@ constexpr double kMaxNoise = 0.3;
 /// Ratio of the standard deviation to the mean absolute difference of two independent normal values: sqrt(pi) / 2.
 constexpr double kSdPerChange = 0.8862;
 constexpr double kOutlierSds = 3.5;
-/// Cumulative sum test, in standard deviations: two outliers in a row are a jump, one is not.
+/// Parameters of the cumulative sum test, in standard deviations: two outliers in a row are a jump, and one is not.
 constexpr double kCusumSlack = 0.75;
 constexpr double kCusumLimit = 5.4;
-/// Part of a jump that the fixed time may explain; a scene's cost jumps more often than a network's time.
+/// Share of a jump that the fixed time may explain; a scene's cost jumps more often than a network's time.
 constexpr double kFixedJump = 0.25;
-/// Prior of the slope with thread times, and of everything relative to the first frame's time.
+/// Relative standard deviation of the prior: of the slope and of the fixed time, the latter relative to the first
+/// frame's time.
 constexpr double kPriorSd = 0.5;
-/// Random walk from frame to frame, relative to the time (fixed) and to the slope. Without thread times the slope
-/// includes the scene's cost, which changes faster.
+/// Standard deviations of the random walk per frame: of the fixed time, relative to the frame time; and of the slope,
+/// relative to itself. Without thread times, the slope includes the scene's cost, which changes faster.
 constexpr double kFixedDrift = 0.005;
 constexpr double kSlopeDrift = 0.01;
 constexpr double kSlopeDriftWithoutRays = 0.02;
-/// Lower bounds of the slope: this part of the slope that the time alone would give and, with thread times, this value,
-/// since a busy node cannot be much faster than its threads.
+/// Lower bounds of the slope: the first as a share of the slope that results without a fixed time; the second applies
+/// only with thread times, since a busy node cannot be much faster than its threads.
 constexpr double kMinSlopePart = 0.02;
 constexpr double kMinSlopeWithRays = 0.4;
-/// A work surely fits if its prediction plus this many standard deviations does; it may be at most this multiple of the
-/// last one.
+/// Parameters of work_surely_within(): the number of standard deviations added to the prediction, and the maximum of
+/// its result as a multiple of the last work.
 constexpr double kSureSds = 2.0;
 constexpr double kMaxGrowth = 5.0;
 

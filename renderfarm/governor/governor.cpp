@@ -9,28 +9,29 @@
 namespace cyclorama::governor {
 namespace {
 
-/// 95 % of a normal distribution lie below its mean plus 1.645 standard deviations. The rest allows for changes of the
-/// view.
+/// Standard deviations between the mean and the 95th percentile: 1.645 for a normal distribution, and the rest for
+/// changes of the view.
 constexpr double kSdsOfP95 = 1.85;
-/// Distance from the limit to the aim, and from the aim to the time at which a step up begins: each is a part of the
-/// limit plus a part of the noise.
+/// Distance from the limit to the aim (kAim…), and from the aim to the time below which there is room for a step up
+/// (kRoom…). Each is a fraction of the upper value plus a multiple of the noise.
 constexpr double kAimBelow = 0.02;
 constexpr double kAimBelowPerNoise = 0.3;
 constexpr double kRoomBelow = 0.03;
 constexpr double kRoomBelowPerNoise = 0.5;
-/// There is no step up before a frame of about the current work was measured, since frames in flight are of earlier
-/// pictures; or before this many frames, since small pictures consist of whole cells and may have less work.
+/// A step up requires that a frame with at least this share of the current work was measured, since frames in flight
+/// belong to earlier pictures, or that kSurelySeen frames have passed, since small pictures are rounded to whole cells
+/// and may have less work.
 constexpr double kSeen = 0.8;
 constexpr int kSurelySeen = 8;
-/// Far below the aim, the wait is half as long.
+/// Below this multiple of the time that leaves room, the wait is half as long.
 constexpr double kFar = 0.9;
 constexpr double kStepUpMs = 300.0;
 constexpr int kMinStepUpFrames = 3;
 constexpr int kMaxInitialStepUpFrames = 10;
 constexpr int kMaxStepUpFrames = 160;
-/// Length of a trial, as a multiple of the wait.
+/// Duration of the trial after a step up, as a multiple of the initial wait.
 constexpr int kTrials = 2;
-/// A step up was wrong if the picture takes this much longer than predicted.
+/// A step up was wrong if the picture takes longer than predicted by this factor.
 constexpr double kWrong = 1.15;
 
 }  // namespace

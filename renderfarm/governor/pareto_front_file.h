@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A Pareto front in a file, as measured by `cyclorama-bench-render trade`:
+/// A file with a Pareto front, as measured by `cyclorama-bench-render trade`:
 ///
 ///   # pareto_front.toml
 ///   [[point]]
 ///   cpu_us_per_px = 1.9   # Processor time per displayed pixel.
 ///   error = 0.041         # The same measure for the whole file.
-///   samples = 4           # Parameters of PictureQuality; those left out have their defaults.
+///   samples = 4           # Parameters of PictureQuality; omitted ones have their defaults.
 ///   bounces = 1
 #pragma once
 
@@ -18,7 +18,7 @@
 
 namespace cyclorama::governor {
 
-/// Name of the file in a scene's folder.
+/// Name of the file, which is in the scene's folder.
 inline constexpr const char* kParetoFrontFileName = "pareto_front.toml";
 
 /// Reads a file. Errors: those of Config, and kBadData for a file without points. Reentrant.
@@ -26,7 +26,8 @@ Result<ParetoFront> read_pareto_front(const std::filesystem::path& path);
 /// Parses a file's text. `name` identifies the file in errors.
 Result<ParetoFront> parse_pareto_front(std::string_view text, std::string name);
 
-/// Formats a front; parse_pareto_front() restores it bit for bit. `comment` comes first, with "# " before each of its lines.
+/// Formats a front. parse_pareto_front() restores it bit for bit. The text begins with `comment`, with "# " before each
+/// line.
 [[nodiscard]] std::string pareto_front_text(const ParetoFront& front, std::string_view comment);
 
 }  // namespace cyclorama::governor

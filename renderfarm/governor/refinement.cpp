@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kPiece = 64;
 constexpr double kMaxPictureMs = 1000.0;
-/// At most a dozen pictures are sent per rest, so their size does not matter.
+/// The size of pictures at rest does not matter, because at most a dozen are sent per rest.
 constexpr int kReferenceJpegQuality = 95;
 
 int cut_after(int samples, int max = kPiece) {
@@ -22,15 +22,15 @@ int cut_after(int samples, int max = kPiece) {
   return (samples / max + 1) * max;
 }
 
-/// Returns the first cut that is not below `samples`.
+/// Returns the first cut at or after `samples`.
 int cut_at_least(double samples, int max) {
   int cut = 1;
   while (cut < max && cut < samples) cut = cut_after(cut);
   return std::min(cut, max);
 }
 
-/// Returns the error of one path traced sample at full size, by the front's most efficient point of that kind: errors are
-/// assumed to be inversely proportional to the samples. Infinite if the front has no such point.
+/// Returns the error of one path traced sample at full size, from the front's most efficient point of this kind.
+/// Assumes that errors are inversely proportional to samples. Infinite if the front has no such point.
 double error_of_one_sample(const ParetoFront& front) {
   double error = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < front.size(); ++i) {
@@ -41,7 +41,7 @@ double error_of_one_sample(const ParetoFront& front) {
   return error;
 }
 
-/// Returns the number of samples, at full size without denoiser, with an error of at most `moving`.
+/// Returns the number of samples, at full size and without denoiser, whose error is at most that of `moving`.
 double samples_as_good_as(const ParetoFront& front, const ParetoPoint& moving) {
   const double as_good = error_of_one_sample(front) / moving.error;
   const double more = 2.0 * moving.quality.render.samples;

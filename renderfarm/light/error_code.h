@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Standard errors of samples in a byte: the logarithm, in steps of 12 %.
+/// Codes for standard errors of samples, one byte each: the logarithm in steps of 12 %.
 #pragma once
 
 #include <algorithm>
@@ -8,12 +8,12 @@
 
 namespace cyclorama::light {
 
-/// Steps for a factor of 2, and the exponent of code 0; the largest code stands for 2^16.5.
+/// Steps for a factor of 2, and the binary logarithm of the error of code 0. The largest code stands for 2^16.5.
 inline constexpr float kErrorSteps = 6.0f;
 inline constexpr float kErrorExponent = -26.0f;
 
-/// Codes an error in a store's unit, rounded up. Code 0 means none, or less than 2^-26; errors that are not known, NaN or
-/// too large take the largest code.
+/// Encodes an error in a store's unit, rounded up. Code 0 means that the error is none or less than 2^-26. Errors that
+/// are unknown, NaN or too large get the largest code.
 [[nodiscard]] inline std::uint8_t to_error_code(float error) {
   if (!(error < 65536.0f)) return 255;
   if (!(error > 0.0f)) return 0;

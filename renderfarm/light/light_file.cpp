@@ -42,7 +42,7 @@ class Writer {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads values one after the other; beyond the end, all reads fail.
+/// Reads values one after another. A read beyond the end fails.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -80,7 +80,7 @@ Error damaged(std::string_view name, std::string_view what) {
                fmt::format("{}: {}; delete the file, and 'cyclorama-render light SCENE' makes it anew", name, what));
 }
 
-/// Returns true if every grid lies within `samples`.
+/// Returns true if the samples of every grid are within `light.samples`.
 bool grids_fit(const SideLight& light) {
   for (const std::uint32_t code : light.grids) {
     if (code == TriangleGrid::kBase || code == TriangleGrid::kTraced) continue;

@@ -3,9 +3,11 @@
 ///
 ///   "CYCLIGHT"  version u32  placements u32  scene key 2 x u64  unit f32  length of the settings u32, settings
 ///   check: the fields of LightCheck in their order, 4 bytes each
-///   for each placement:  base_per_triangle u32, then for each side the lengths of base, directions, grids and samples, 4 x u32
-///   for each placement and side:  base, directions, grids, samples, 4 bytes each;  errors of base and samples, 1 byte each
-///   XXH3 (64 bits) of all bytes before
+///   for each placement:  base_per_triangle u32, then for each side the lengths of base, directions, grids and samples,
+///     4 x u32
+///   for each placement and side:  base, directions, grids, samples, 4 bytes each;  errors of base and samples, 1 byte
+///     each
+///   XXH3 (64 bits) of all preceding bytes
 ///
 /// Everything is little-endian.
 #pragma once
@@ -26,22 +28,22 @@ inline constexpr const char* kLightFileName = "light.store";
 
 [[nodiscard]] std::vector<std::byte> light_file_bytes(const LightStore& store);
 
-/// Parses a file's bytes; `name` identifies the file in errors. The store can be read at every triangle for which it
-/// has samples, even if the bytes are malicious. check_fits() checks whether it belongs to a scene. Errors: kBadData,
-/// with the remedy.
+/// Parses the bytes of a file; `name` identifies the file in errors. Even if the bytes are malicious, the store can be
+/// read safely at every triangle for which it has samples. check_fits() checks whether it belongs to a scene. Errors:
+/// kBadData, with the remedy.
 Result<LightStore> parse_light_file(std::span<const std::byte> bytes, std::string_view name);
 
-/// Reads a file. Errors: kNotFound if there is none; kBadData; kSystem.
+/// Reads a file. Errors: kNotFound if there is none; kSystem; those of parse_light_file().
 Result<LightStore> read_light_file(const std::filesystem::path& path);
 /// Writes the file completely or not at all.
 Status write_light_file(const std::filesystem::path& path, const LightStore& store);
 
-/// Vertex and triangle counts of a placed mesh; the arrays of its light must have these lengths.
+/// Vertex and triangle counts of a placed mesh, which determine the lengths of the arrays of its light.
 struct PlacementSize {
   std::size_t vertices = 0;
   std::size_t triangles = 0;
 };
-/// Errors: kBadData unless the store is that of the scene with this key and these placements.
+/// Checks that the store belongs to the scene with this key and these placements. Errors: kBadData.
 Status check_fits(const LightStore& store, const SceneKey& scene, const std::vector<PlacementSize>& placements,
                   std::string_view name);
 

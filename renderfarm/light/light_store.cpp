@@ -30,7 +30,7 @@ std::optional<Eigen::Vector3f> LightStore::in_grid(const SideLight& light, std::
     return light
         .samples[TriangleGrid::offset(grid) + static_cast<std::uint32_t>(TriangleGrid::index(parts, column, row))];
   };
-  // Each part is two triangles, except the last one of a row.
+  // Each part consists of two triangles, except the last part of a row, which is one.
   if (part_u + part_v <= 1.0f || i + j == parts - 1) {
     const float rest = std::max(0.0f, 1.0f - part_u - part_v);
     return mixed<3>({sample(i, j), sample(i + 1, j), sample(i, j + 1)}, {rest, part_u, part_v});

@@ -2,8 +2,8 @@
 /// Precomputed light on the surfaces of a scene, so that a picture needs camera rays only.
 ///
 /// A sample is the irradiance at a point of a surface, divided by pi: the radiance that a white matte surface would
-/// reflect there. It contains all light that reaches the point, directly or after bounces, but not the surface's own
-/// colour, so textures stay as sharp as they are. Samples lie where they are needed:
+/// reflect there. It contains all light that reaches the point, directly or after bounces, but not the colour of the
+/// surface, so textures keep their full resolution. There are two kinds of samples:
 ///
 ///   base     at the vertices of a mesh with normals; otherwise one in the middle of each triangle
 ///   grids    at the corners of n x n parts of a triangle on which light varies more than between its vertices
@@ -14,7 +14,7 @@
 ///              0 --- 1                     / \ / \                                                  .
 ///                                    row 0 o - o - o
 ///
-/// Both sides of a surface have samples of their own, and so has every instance of a mesh. Source: Yuksel, Keyser and
+/// The two sides of a surface have separate samples, and so do the instances of a mesh. Source: Yuksel, Keyser and
 /// House, "Mesh Colors", ACM TOG 29(2), 2010.
 #pragma once
 
@@ -35,15 +35,15 @@ namespace cyclorama::light {
 /// Marks a sample without a value, for which paths are traced instead. No encoded sample has these bits.
 inline constexpr std::uint32_t kNoSample = 0xffffffffu;
 
-/// A code that states which samples a triangle has.
+/// A code for the samples of a triangle.
 struct TriangleGrid {
-  static constexpr std::uint32_t kBase = 0;      ///< Base samples.
+  static constexpr std::uint32_t kBase = 0;      ///< The triangle uses the base samples.
   static constexpr std::uint32_t kTraced = ~0u;  ///< The triangle has no samples: paths are traced.
-  static constexpr int kMaxParts = 256;          ///< Along an edge; a power of two.
+  static constexpr int kMaxParts = 256;          ///< Maximum parts along an edge; a power of two.
   static constexpr std::uint32_t kMaxOffset = 1u << 28;
 
   /// Returns the code of a grid of `parts` x `parts` whose samples begin at `offset`. Precondition: `parts` is a power
-  /// of two up to kMaxParts, and `offset` is below kMaxOffset.
+  /// of two and at most kMaxParts, and `offset` is below kMaxOffset.
   [[nodiscard]] static constexpr std::uint32_t code(int parts, std::uint32_t offset) {
     return (static_cast<std::uint32_t>(std::countr_zero(static_cast<unsigned>(parts)) + 1) << 28) | offset;
   }
@@ -55,46 +55,46 @@ struct TriangleGrid {
 };
 static_assert(TriangleGrid::samples(2) == 6 && TriangleGrid::index(2, 0, 2) == 5);
 
-/// Light on one side of a placed mesh. Empty if no visitor sees that side.
+/// Light on one side of a placed mesh; empty if no visitor sees that side.
 struct SideLight {
-  std::vector<std::uint32_t> base;   ///< RGB9E5 in the store's unit, or kNoSample.
-  std::vector<std::uint32_t> grids;  ///< A TriangleGrid code per triangle; empty if all have base samples.
-  /// Mean directions of the light at the base samples, in the render frame (mean_direction.h). Empty unless the material
-  /// has a normal map.
+  std::vector<std::uint32_t> base;   ///< Samples as RGB9E5 in the store's unit, or kNoSample.
+  std::vector<std::uint32_t> grids;  ///< One TriangleGrid code per triangle; empty if all triangles use base samples.
+  /// Mean directions of the light at the base samples, in the render frame (mean_direction.h); empty unless the
+  /// material has a normal map.
   std::vector<std::uint32_t> directions;
-  std::vector<std::uint32_t> samples;  ///< Samples of all grids, coded like `base`.
+  std::vector<std::uint32_t> samples;  ///< Samples of all grids, encoded like `base`.
   /// Standard errors of the luminance of `base` and `samples` (error_code.h).
   std::vector<std::uint8_t> base_errors;
   std::vector<std::uint8_t> sample_errors;
 };
 
-/// Bytes that a sample takes with its error.
+/// Size of a sample and its error.
 inline constexpr std::size_t kSampleBytes = sizeof(std::uint32_t) + sizeof(std::uint8_t);
 
 /// Light on both sides of one placement of a mesh.
 struct SurfaceLight {
-  bool base_per_triangle = false;  ///< Otherwise per vertex.
+  bool base_per_triangle = false;  ///< True if there is one base sample per triangle; otherwise one per vertex.
   std::array<SideLight, 2> sides;  ///< Front and back, by the triangles' winding.
 };
 
-/// Identifies what light depends on: geometry, materials, lamps. See scene_key.h.
+/// Identifies everything that light depends on: geometry, materials and lamps. See scene_key.h.
 struct SceneKey {
   std::uint64_t low = 0;
   std::uint64_t high = 0;
   friend bool operator==(const SceneKey&, const SceneKey&) = default;
 };
 
-/// The light of a whole scene. A value, immutable once it is in use; reading is thread-safe.
+/// The light of a whole scene. A value, immutable once in use; reading is thread-safe.
 struct LightStore {
   SceneKey scene;
-  std::string settings;  ///< Settings with which it was computed, as one line for people.
-  float unit = 1.0f;     ///< Radiance of a sample of 1.
-  LightCheck check;      ///< Its errors from held-out eyes.
+  std::string settings;  ///< Settings with which the light was computed, as one line for people.
+  float unit = 1.0f;     ///< Radiance that a sample of 1 stands for.
+  LightCheck check;      ///< Errors from held-out eyes.
   std::vector<SurfaceLight>
       surfaces;  ///< One per placement, in the order of the scene's instances that have triangles.
 
-  /// Returns the light at a point of triangle `primitive`, or nothing if paths must be traced there. `side` is 0 for
-  /// the front and 1 for the back; `weights` are barycentric; `vertices` are the triangle's.
+  /// Returns the light at a point of triangle `primitive`; nothing if paths must be traced there. `side` is 0 for the
+  /// front and 1 for the back; `weights` are barycentric; `vertices` are the triangle's vertex indices.
   [[nodiscard, gnu::always_inline]] std::optional<Eigen::Vector3f> at(std::size_t placement, int side,
                                                                       std::uint32_t primitive,
                                                                       const std::array<std::uint32_t, 3>& vertices,
@@ -109,22 +109,23 @@ struct LightStore {
                     {weights[0], weights[1], weights[2]});
   }
 
-  /// Returns the mean direction of the light at the same point; zero if it is not known.
+  /// Returns the mean direction of the light at a point (see at()); zero if it is unknown.
   [[nodiscard]] Eigen::Vector3f direction_at(std::size_t placement, int side, std::uint32_t primitive,
                                              const std::array<std::uint32_t, 3>& vertices,
                                              const Eigen::Vector3f& weights) const;
 
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] std::size_t sample_count() const;
-  /// Returns percentiles of the samples' standard errors, relative to their luminance. Dark samples, below a tenth of
-  /// the mean, are left out.
+  /// Returns percentiles of the samples' standard errors, relative to their luminance. Omits dark samples, which are
+  /// below a tenth of the mean.
   [[nodiscard]] Percentiles relative_errors() const;
 
  private:
   template <std::size_t kCount>
   [[nodiscard, gnu::always_inline]] std::optional<Eigen::Vector3f> mixed(
       const std::array<std::uint32_t, kCount>& codes, const std::array<float, kCount>& weights) const {
-    // Single floats: vectors of three are written in parts and read in others, and processors wait for that.
+    // Uses single floats, because vectors of three would be written and read in parts of different sizes, which stalls
+    // processors.
     float red = 0.0f;
     float green = 0.0f;
     float blue = 0.0f;
@@ -141,7 +142,7 @@ struct LightStore {
                                                        const Eigen::Vector3f& weights) const;
 };
 
-/// Describes the known errors of the store, in a sentence or two for people.
+/// Describes the known errors of the store in one or two sentences for people.
 [[nodiscard]] std::string description_of(const LightStore& store);
 
 }  // namespace cyclorama::light

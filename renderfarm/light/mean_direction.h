@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The mean direction of the light at a sample, for surfaces with a normal map.
 ///
-/// The model: a share |d| of the light comes from the mean direction d, and the rest from all directions evenly. The
-/// irradiance for a bent normal is then that of the surface's own normal times
+/// The model: a share |d| of the light comes from the direction of d, and the rest evenly from all directions. The
+/// irradiance for a bent normal is the irradiance for the surface's normal times
 ///
 ///     1 - |d| + |d| (bent . d) / (normal . d)
 ///
-/// Source: Hable and others, directional lightmaps of the dominant direction, as in Unity and Enlighten.
+/// Source: Hable and others, directional lightmaps with a dominant direction, as in Unity and Enlighten.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,8 +16,8 @@
 
 namespace cyclorama::light {
 
-/// Codes a vector of length up to 1 in 32 bits: 12 bits for each octahedral coordinate, 8 bits for the length. Source:
-/// Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014.
+/// Encodes a vector of length up to 1 in 32 bits: 12 bits for each octahedral coordinate and 8 bits for the length.
+/// Source: Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014.
 [[nodiscard]] inline std::uint32_t to_direction_code(const Eigen::Vector3f& mean) {
   const float length = mean.norm();
   if (!(length > 0.0f) || !std::isfinite(length)) return 0;
@@ -47,10 +47,10 @@ namespace cyclorama::light {
   return Eigen::Vector3f(x, y, z).normalized() * (static_cast<float>(code >> 24) * (1.0f / 255.0f));
 }
 
-/// Returns the factor on the irradiance for a normal that is bent. All vectors in one frame; both normals of unit length.
+/// Returns the factor on the irradiance for a bent normal. All vectors are in one frame; the normals have unit length.
 [[nodiscard]] inline float bent_share(const Eigen::Vector3f& mean, const Eigen::Vector3f& normal,
                                       const Eigen::Vector3f& bent) {
-  /// Grazing light would make bumps glow without bound.
+  /// Bounds for grazing light, which would otherwise make bumps arbitrarily bright.
   constexpr float kMinCosine = 0.15f;
   constexpr float kMaxShare = 4.0f;
   const float directed = mean.norm();

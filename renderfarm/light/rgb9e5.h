@@ -11,12 +11,12 @@
 
 namespace cyclorama::light {
 
-/// Largest value that is exact in every channel, and the smallest step.
+/// Largest value that every channel represents exactly, and the smallest step.
 inline constexpr float kMaxRgb9e5 = 65408.0f;
 inline constexpr float kMinRgb9e5 = 0x1p-24f;
 
-/// Rounds to a code: to the nearest with 1/2 as `rounding`. With even random numbers in [0, 1), the mean of many codes
-/// of one value is that value. Values are clamped to [0, kMaxRgb9e5]; NaN becomes 0.
+/// Rounds a colour to a code. With `rounding` 1/2, rounds to nearest; with uniform random numbers in [0, 1), the mean
+/// of many codes of one value is that value. Values are clamped to [0, kMaxRgb9e5]; NaN becomes 0.
 [[nodiscard]] inline std::uint32_t to_rgb9e5(const Eigen::Vector3f& colour, float rounding = 0.5f) {
   Eigen::Vector3f c;
   for (int i = 0; i < 3; ++i) c[i] = colour[i] > 0.0f ? std::min(colour[i], kMaxRgb9e5) : 0.0f;
@@ -31,9 +31,9 @@ inline constexpr float kMinRgb9e5 = 0x1p-24f;
   return code;
 }
 
-/// Returns the light of a mantissa of 1.
+/// Returns the value of a mantissa of 1.
 [[nodiscard]] inline float step_of_rgb9e5(std::uint32_t code) {
-  // 2^(exponent - 24) as the bits of a float: its exponent is biased by 127.
+  // The bits of the float 2^(exponent - 24), whose exponent is biased by 127:
   return std::bit_cast<float>(((code >> 27) + 103u) << 23);
 }
 

@@ -11,7 +11,7 @@
 namespace cyclorama::light {
 namespace {
 
-/// To be increased whenever a store of an earlier program must not be used.
+/// Version of the hash; to be increased whenever light stored by earlier programs must not be used.
 constexpr std::uint32_t kKeyVersion = 1;
 
 class Hash {
@@ -26,7 +26,7 @@ class Hash {
   void add(const Eigen::Matrix<Value, kRows, kColumns>& matrix) {
     XXH3_128bits_update(state_.get(), matrix.data(), sizeof(matrix));
   }
-  /// Elements are numbers or arrays of numbers, without padding.
+  /// Adds a range of numbers or of arrays of numbers. Precondition: elements have no padding.
   template <typename Range>
   void add_all(const Range& range) {
     add(std::size(range));
@@ -61,7 +61,7 @@ void add(const scene::Material& material, Hash* hash) {
   }
   hash->add(material.alpha_mode);
   hash->add(material.double_sided);
-  // Hashed only if set, so that the keys of scenes from before there were such materials remain valid.
+  // Added only if set, so that scenes without unlit materials keep their earlier keys.
   if (material.unlit) hash->add(material.unlit);
 }
 
@@ -104,7 +104,7 @@ SceneKey key_of(const scene::Scene& scene) {
   }
   for (const scene::Material& material : model.materials) add(material, &hash);
   for (const scene::Mesh& mesh : model.meshes) add(mesh, &hash);
-  for (const scene::SplatCloud& cloud : model.splats) {  // Nothing is added without splats: old keys stay.
+  for (const scene::SplatCloud& cloud : model.splats) {  // Scenes without splats keep their earlier keys.
     hash.add(cloud.origin);
     hash.add_all(cloud.positions);
     hash.add_all(cloud.scales);

@@ -6,9 +6,8 @@
 
 namespace cyclorama::light {
 
-/// Returns the hash (XXH3, 128 bits) of everything in a scene on which its light depends. Names, the tour and the
-/// exposure are left out, since they do not affect surfaces. Reads all geometry and textures, several gigabytes a
-/// second. Reentrant.
+/// Returns the hash (XXH3, 128 bits) of everything in a scene on which its light depends. Omits names, the tour and the
+/// exposure, which do not affect surfaces. Reads all geometry and textures, at several gigabytes per second. Reentrant.
 [[nodiscard]] SceneKey key_of(const scene::Scene& scene);
 
 }  // namespace cyclorama::light

@@ -24,7 +24,7 @@ constexpr std::size_t kProbeChunksPerPiece = 64;
 constexpr std::size_t kGridChunksPerPiece = 16;
 /// A round takes at most this share of what is left of the budget, so that the rest can follow what the round finds.
 constexpr std::uint64_t kRoundShare = 3;
-/// Shares of the progress that is reported: probing, then the steps.
+/// Shares of the reported progress: probing, then the steps.
 constexpr double kProbingShare = 0.5;
 constexpr double kStepsShare = 0.4;
 
@@ -33,7 +33,8 @@ struct Entry {
   GridInWork grid;
 };
 
-/// Returns the squared error that a step may remove, summed over visible samples, per sample that it stores.
+/// Returns the squared error that a step may remove, summed over visible samples, divided by the samples that it
+/// stores.
 double gain_of(const GridInWork& grid) {
   const double pixels = static_cast<double>(grid.max_parts) * static_cast<double>(grid.max_parts);
   return static_cast<double>(grid.squared_error) * pixels / static_cast<double>(grid.step_samples());
@@ -157,7 +158,7 @@ class GridSpender {
     TRY(advance(chosen));
     std::uint64_t used = 0;
     for (const Entry& entry : entries_) used += entry.grid.light.size();
-    left_ = budget_.samples - used;  // Steps that improved nothing have stored nothing.
+    left_ = budget_.samples - used;  // A step that improved nothing has stored nothing.
     return !chosen.empty();
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Spends a budget on the grids where it helps most: the next step goes to the triangle whose error, multiplied by the
-/// pixels that it covers, falls most per sample.
+/// Spends a budget of samples on the grids that gain most from them. The next step goes to the triangle for which the
+/// product of its error and the pixels that it covers falls most per sample.
 ///
 ///     probe all triangles ──► steps that fit the budget, best first ──► measure their error ─┐
 ///                                     ▲                                                      │
@@ -19,27 +19,28 @@
 
 namespace cyclorama::light_baking {
 
-/// Tracers by thread, made when a thread first needs one.
+/// One tracer per thread, made when the thread first needs it.
 using LightTracers = tbb::enumerable_thread_specific<std::unique_ptr<LightTracer>>;
 
-/// A side with the triangles that visitors see.
+/// A side, and the triangles of it that visitors see.
 struct SeenSide {
   LitSide lit;
   std::span<const SeenTriangle> triangles;
 };
 
-/// Limits of what grids may use.
+/// Limits for all grids together.
 struct GridBudget {
   std::uint64_t samples = 0;
   std::function<bool()> is_over{};                ///< Returns true once the time is up; may be null.
   std::function<Status()> check_cancelled{};      ///< Returns an error once the result is of no use; may be null.
   std::function<void(double)> add_cpu_seconds{};  ///< Called from any thread after each piece of work; may be null.
-  std::function<void(double)> report_progress{};  ///< A fraction in [0, 1]; may be null.
+  std::function<void(double)> report_progress{};  ///< Receives a fraction in [0, 1]; may be null.
 };
 
 struct SideGrids {
   std::vector<MadeGrid> grids{};
-  /// Triangles that cover much of a picture, whose vertices are not enough, and for which the budget did not suffice.
+  /// Triangles that cover much of a picture and need more than their vertices, but for which the budget did not
+  /// suffice.
   std::vector<std::uint32_t> unresolved{};
 };
 

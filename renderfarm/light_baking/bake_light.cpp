@@ -30,20 +30,20 @@ namespace {
 
 using render::Vec3;
 
-/// Number of points in one task.
+/// Number of points, or of triangles with sites, in one task.
 constexpr std::size_t kChunk = 256;
 constexpr std::size_t kSitesPerChunk = 1024;
 /// Chunks of points in a piece: a second of work, so that little is lost with it, and some 400 KB of results.
 constexpr std::size_t kPointChunksPerPiece = 64;
 /// Headroom of the unit above the brightest direct light, for bounces.
 constexpr float kHeadroom = 16.0f;
-/// Shadow rays of samples that no visitor sees.
+/// Maximum shadow rays of samples that no visitor sees.
 constexpr int kUnseenLightRays = 16;
 /// Share of BakeSettings::min_rays for each bounce before the last.
 constexpr int kBounceDivisor = 4;
 /// Share of the progress that is reported before the check.
 constexpr double kBakingShare = 0.85;
-/// Visible parts of an edge from which a triangle is large.
+/// Number of visible parts of an edge above which a triangle is large.
 constexpr double kLargeParts = 32.0;
 
 /// Points, distributed over all surfaces by area, at which the light of lamps is compared with that of the vertices.
@@ -54,7 +54,7 @@ constexpr double kMaxAreaProbes = 256.0;
 constexpr std::size_t kProbedPerChunk = 8;
 
 BakeSettings with_dim_light(BakeSettings settings, const scene::Scene& scene) {
-  constexpr float kDim = 0.1f;  // A tenth of white: where light is dimmer, relative errors are less visible.
+  constexpr float kDim = 0.1f;  // Below a tenth of white, relative errors are less visible.
   settings.dim_light = kDim / static_cast<float>(scene.exposure);
   return settings;
 }
@@ -363,7 +363,7 @@ class Baker {
                        });
   }
 
-  /// Returns the samples that grids may take within the budget of bytes.
+  /// Returns the number of samples that grids may have within the budget of bytes.
   [[nodiscard]] std::uint64_t grid_samples() const {
     double triangles = 0.0;
     std::uint64_t taken = 0;
@@ -407,14 +407,14 @@ class Baker {
     }
   }
 
-  /// `seed` determines the rounding, so that errors of neighbouring samples cancel.
+  /// Encodes light. `seed` randomizes the rounding, so that errors of neighbouring samples cancel.
   [[nodiscard]] std::uint32_t encoded(const Vec3& light, std::uint32_t seed) const {
     return light::to_rgb9e5((light + scene_.ambient) / unit_, render::to_unit_float(render::mix_bits(seed)));
   }
 
   [[nodiscard]] std::uint8_t coded_error(float error) const { return light::to_error_code(error / unit_); }
 
-  /// Chooses the unit from the direct light, once.
+  /// Chooses the unit from the direct light. Called once.
   void choose_unit() {
     float brightest = scene_.ambient.maxCoeff();
     for (const BaseSide& side : sides_) {
@@ -467,7 +467,7 @@ class Baker {
   void add_directions(const BaseSide& side, light::SideLight* out) const {
     out->directions.reserve(side.light.size());
     for (const PointLight& light : side.light) {
-      // Ambient light comes from all directions, so its mean direction is zero.
+      // Ambient light comes evenly from all directions, so its mean direction is zero.
       const float all = render::luminance(light.lamps.light + light.surfaces.light + scene_.ambient);
       const Vec3 sum = light.lamps.direction + light.surfaces.direction;
       out->directions.push_back(all > 0.0f ? light::to_direction_code(sum / all) : 0);
@@ -504,14 +504,14 @@ class Baker {
   light::SceneKey key_;
   BakedLight baked_;
   std::vector<BaseSide> sides_;
-  std::vector<SideGrids> fine_;  ///< One for each side, once they are made.
+  std::vector<SideGrids> fine_;  ///< One for each side; empty until the grids are made.
   float unit_ = 1.0f;
   std::shared_ptr<const light::LightStore> published_;
   std::atomic<double> cpu_seconds_ = 0.0;
   double stage_began_ = 0.0;
 };
 
-/// Lets the store say how far it is from the truth.
+/// Adds the measured errors of the light to the store.
 Status add_check(render::Renderer& renderer, int eyes, const std::function<void(double)>& progress,
                  const std::function<bool()>& cancelled, StageChain& stages, BakedLight* baked) {
   CheckSettings settings;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Computes the light of a scene: what arrives at each point of its surfaces, directly and after the scene's bounces.
+/// Computes the light of a scene: the light that arrives at each point of its surfaces, directly and after bounces.
 ///
-///     visible triangles ──► direct light at all base samples ──► one bounce after the other, each of which reads the
-///     one before ──► the last bounce, finely and without noise where visitors look ──► grids where the vertices are
-///     not enough ──► a check from eyes that were not used
+///     visible triangles ──► direct light at all base samples ──► bounces, each of which uses the previous one
+///     ──► the last bounce, with many rays where visitors look ──► grids where vertices do not suffice
+///     ──► a check from held-out eyes
 ///
-/// Sources: Ward, Rubinstein and Clear, "A Ray Tracing Solution for Diffuse Interreflection", 1988, for light computed
-/// by gathering; Christensen et al., "Global Illumination for Animated Films", 2012, for reading stored light at the
+/// Sources: Ward, Rubinstein and Clear, "A Ray Tracing Solution for Diffuse Interreflection", 1988, for computing light
+/// by gathering; Christensen et al., "Global Illumination for Animated Films", 2012, for the use of stored light at the
 /// second hit.
 #pragma once
 
@@ -23,7 +23,7 @@
 
 namespace cyclorama::light_baking {
 
-/// A part of the work with its cost.
+/// A part of the work and its cost.
 struct BakeStage {
   std::string name;
   double cpu_seconds = 0.0;
@@ -33,7 +33,7 @@ struct BakedLight {
   std::shared_ptr<const light::LightStore> store;
   double cpu_seconds = 0.0;          ///< Cost on this host in this run, without the check.
   double check_cpu_seconds = 0.0;    ///< Cost of the comparison with path tracing.
-  std::uint64_t seen_triangles = 0;  ///< Each side counted.
+  std::uint64_t seen_triangles = 0;  ///< Number of seen triangles, each side counted separately.
   std::uint64_t grids = 0;
   std::uint64_t separate_samples = 0;  ///< Samples of grids that must not be used.
   std::uint64_t hidden_vertices = 0;   ///< Vertices behind or inside something, with light from beside them.

@@ -14,12 +14,12 @@ inline constexpr int kMaxRaysOfSample = 1 << 14;
 struct BakeSettings {
   int eyes = 64;  ///< Positions in the walkable area from which the surfaces that visitors see are found.
   int rays_per_eye = 1 << 18;
-  /// Resolution of the wall, which decides how fine light must be where a visitor can come near.
+  /// Resolution of the wall, which determines how fine light must be where visitors can come close.
   double pixels_per_degree = 20.0;
   double pixels_per_sample = 4.0;  ///< Spacing of the finest samples, in pixels of the nearest eye.
-  int max_light_rays = 64;         ///< Shadow rays of a base sample; fewer where they agree.
-  double light_error = 0.01;       ///< Relative standard error of direct light at which no more are traced.
-  int max_grid_light_rays = 32;    ///< The same for the samples of grids, which lie closer together.
+  int max_light_rays = 64;         ///< Maximum shadow rays of a base sample; fewer are traced if they agree.
+  double light_error = 0.01;       ///< Relative standard error of direct light below which no more rays are traced.
+  int max_grid_light_rays = 32;    ///< The two limits for samples of grids, which are closer together:
   double grid_light_error = 0.03;
   int coarse_rays = 8;  ///< Rays of a sample for each bounce before the last.
   int final_rays = 64;  ///< Rays of a sample for the last bounce, which the visitor sees.
@@ -31,13 +31,14 @@ struct BakeSettings {
   double surface_error = 0.01;
   /// Error between the vertices above which a triangle may get a grid, relative to the light there and `dim_light`.
   double probe_error = 0.02;
-  float dim_light = 0.0f;  ///< Radiance that looks dark on the wall; bake_light() derives it from the scene's exposure.
-  int max_parts = 128;     ///< Upper bound of a grid's parts along an edge; a power of two up to 256.
-  /// Budget for all samples, per triangle of the scene, but at least `min_bytes`. Grids are made where they reduce the
-  /// error most.
+  float dim_light = 0.0f;  ///< Radiance that looks dark on the wall. bake_light() sets it from the scene's exposure.
+  int max_parts = 128;     ///< Maximum parts of a grid along an edge; a power of two up to 256.
+  /// Budget for all samples: bytes per triangle of the scene, at least `min_bytes` in total. Grids are made where they
+  /// reduce the error most.
   double bytes_per_triangle = 12.0;
   std::uint64_t min_bytes = std::uint64_t{4} << 20;
-  /// Processor seconds after which no more grids are made; 0: no limit. With a limit, the result depends on the host.
+  /// Processor time in seconds after which no more grids are made; 0: no limit. With a limit, the result depends on the
+  /// host.
   double max_cpu_seconds = 0.0;
   std::uint64_t seed = 1;
   int check_eyes = 32;  ///< Held-out eyes from which the result is compared with path tracing; 0: none.

@@ -11,7 +11,8 @@ namespace {
 
 using render::Vec3;
 
-/// Steps from a seen triangle to its neighbours for which light is computed finely, too: eyes see more than was tried.
+/// Number of steps from a seen triangle to neighbours for which light is also computed finely, because visitors see
+/// more than the sampled eyes.
 constexpr int kRings = 2;
 
 void mark_seen(const render::SurfaceMesh& mesh, const std::vector<SeenPlace>& places, BaseSide* side) {
@@ -36,7 +37,7 @@ void mark_seen(const render::SurfaceMesh& mesh, const std::vector<SeenPlace>& pl
   }
 }
 
-/// Sorts numbers by the keys of the places that they stand for.
+/// Sorts `numbers` along a Z-order curve. `place` returns the position that belongs to a number.
 template <typename Number, typename Place>
 void sort_along_curve(std::vector<Number>* numbers, const Place& place) {
   Eigen::AlignedBox3f box;

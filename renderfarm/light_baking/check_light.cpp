@@ -15,12 +15,12 @@
 namespace cyclorama::light_baking {
 namespace {
 
-/// Seed of the eyes; the baker's own have another.
+/// Seed of the held-out eyes; the baker's eyes have a different one.
 constexpr std::uint64_t kHeldOutSeed = 4711;
 constexpr double kSpan = 150.0 * std::numbers::pi / 180.0;
 constexpr std::uint64_t kReferenceSeed = 1'000'001;
 
-/// The largest difference of two pictures, in codes of the display, and where it is.
+/// Largest difference between two pictures, in codes of the display, and its position.
 struct WorstBlock {
   float codes = 0.0f;
   int x = 0;
@@ -172,7 +172,7 @@ CheckedLight summary_of(std::span<const CheckedEye> eyes, std::span<const render
 
 std::vector<Eigen::Vector3d> held_out_eyes(const scene::SceneInfo& info, int count) {
   std::vector<Eigen::Vector3d> eyes = walkable_eyes(info, count + 1, kHeldOutSeed);
-  if (eyes.size() > 1) eyes.erase(eyes.begin());  // The start is one of the baker's own.
+  if (eyes.size() > 1) eyes.erase(eyes.begin());  // The start is also one of the baker's eyes.
   return eyes;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Compares pictures with stored light to path tracing, from eyes that were not used to compute the light.
+/// Compares pictures with stored light to path traced pictures, from eyes that were not used to compute the light.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,8 @@
 
 namespace cyclorama::light_baking {
 
-/// The defaults cost about an eighth of what the light of a scene costs. Errors of blocks are then known to 1e-5.
+/// Size of the check. With the defaults, it costs about an eighth of the light of a scene and determines the errors of
+/// blocks to 1e-5.
 struct CheckSettings {
   int eyes = 32;
   int width = 80;
@@ -24,10 +25,11 @@ struct CheckSettings {
 
 inline constexpr int kCheckedBlockPx = 8;
 
-/// Returns eyes that are random in the walkable area and not among those of the baker, unless the area is so narrow that
-/// there is only the start.
+/// Returns eyes that are random in the walkable area. They are not among the baker's eyes, unless the area is so narrow
+/// that only the start is left.
 [[nodiscard]] std::vector<Eigen::Vector3d> held_out_eyes(const scene::SceneInfo& info, int count);
-/// Returns the view of held-out eye number `i`: 150 degrees wide, all headings in turn.
+/// Returns the view of held-out eye number `i`. It is 150 degrees wide; the headings of successive eyes cover the
+/// circle.
 [[nodiscard]] render::PanoramaView held_out_view(const scene::SceneInfo& info, const Eigen::Vector3d& eye, int i,
                                                  int width, int height);
 
@@ -35,11 +37,10 @@ struct CheckedLight {
   light::LightCheck check;
   double cpu_seconds = 0.0;
   double stored_cpu_s_per_mpx = 0.0;  ///< Cost of the pictures with stored light.
-  double paths_cpu_s_per_mpx = 0.0;   ///< Cost of path tracing with as many samples.
+  double paths_cpu_s_per_mpx = 0.0;   ///< Cost of path tracing with the same number of samples.
 };
 
-/// Compares the light that the renderer has. `progress` and `cancelled` may be null. Errors: kUnavailable if it was
-/// cancelled.
+/// Checks the renderer's present light. `progress` and `cancelled` may be null. Errors: kUnavailable if cancelled.
 Result<CheckedLight> check_light(const render::Renderer& renderer, const CheckSettings& settings,
                                  const std::function<void(double)>& progress, const std::function<bool()>& cancelled);
 

@@ -10,15 +10,15 @@ namespace {
 
 using render::Vec3;
 
-/// Distance of points from their surface as a share of its triangles' edges, so that a neighbouring triangle at a
-/// slight angle does not hide what lies before the point.
+/// Distance of points from their surface, as a fraction of its triangles' edges; large enough that a neighbouring
+/// triangle at a slight angle does not hide what is in front of the point.
 constexpr float kOffEdge = 1e-3f;
-/// Vertices at the edge of a surface are drawn this far into their largest triangle, because another surface may touch
-/// them there: in the corner of a room, a point exactly at the edge lies in the next wall.
+/// Fraction by which points at the edge of a surface are moved into their largest triangle, because another surface may
+/// touch the edge: in the corner of a room, a point exactly at the edge is inside the adjacent wall.
 constexpr float kDrawnIn = 0.04f;
-/// A vertex whose corners sum up to less lies at an edge; inside a surface they sum up to about 2 pi.
+/// A vertex is at an edge if the angles around it add up to less than this; inside a surface they add up to about 2 pi.
 constexpr float kEdgeAngle = 4.4f;
-/// Minimum distance as a share of the coordinates: several of their rounding errors.
+/// Minimum distance from the surface as a fraction of the coordinates: several times their rounding error.
 constexpr float kOffPlace = 0x1p-20f;
 
 Vec3 render_point(const render::Placement& placement, const Vec3& local) {
@@ -29,11 +29,11 @@ Vec3 render_normal(const render::Placement& placement, const Vec3& local) {
   return render::normalized_or(placement.baked ? local : Vec3(placement.normal_matrix * local), Vec3::Zero());
 }
 
-/// Returns the normal of a triangle's front, by its winding, with twice the area as its length; render frame.
+/// Returns the normal of a triangle's front, by its winding, in the render frame; its length is twice the area.
 Vec3 face_of(const render::Placement& placement, std::size_t triangle, const std::array<Vec3, 3>& corners) {
   Vec3 face = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
   if (placement.baked) return face;
-  // The outside of a mirrored instance stays outside.
+  // Mirroring an instance does not swap its outside and inside.
   const render::SurfaceMesh& mesh = *placement.mesh;
   std::array<Vec3, 3> local;
   for (std::size_t i = 0; i < 3; ++i) local[i] = render::to_vec3(mesh.positions[mesh.triangles[triangle][i]]);
@@ -58,11 +58,11 @@ LightPoint make_point(const Vec3& on_surface, const Vec3& normal, const Vec3& fa
 /// Sums over the triangles around each vertex.
 struct VertexSums {
   Vec3 face = Vec3::Zero();
-  /// Normal, with twice the area as its length, and middle of the largest triangle. A mean over several triangles that
-  /// are not coplanar could put the point below one of them.
+  /// Normal (twice the area long) and middle of the largest triangle. A mean over triangles that are not coplanar could
+  /// be below one of them.
   Vec3 largest_face = Vec3::Zero();
   Vec3 largest_middle = Vec3::Zero();
-  float angle = 0.0f;  ///< Sum of the corners at the vertex; about pi at a straight edge of the surface.
+  float angle = 0.0f;  ///< Sum of the triangles' angles at the vertex; about pi at a straight edge of the surface.
   float shortest_edge = std::numeric_limits<float>::infinity();
 };
 

@@ -16,35 +16,35 @@ namespace {
 
 using render::Vec3;
 
-/// Rays of a point between two looks at their agreement.
+/// Number of rays of a point in one round, after which their agreement is checked.
 constexpr int kRound = 16;
-/// Rays after which a point is dark: the first rounds may miss a dim lamp beside bright ones that are hidden, and to stop
-/// only where they do would darken the mean.
+/// Number of rays after which a point may be considered dark. The first rounds may miss a dim lamp next to bright ones
+/// that are hidden; stopping early for such points would darken the mean.
 constexpr int kMinDarkRays = 64;
-/// Upper bound of the parts into which the ways of rays are divided, to trace those together that are alike.
+/// Number of classes into which rays are sorted, so that similar rays are traced together.
 constexpr std::size_t kParts = 64;
 /// Dimensions of the random numbers; see sampler.h.
 enum Dimension : std::uint32_t { kLampChoice = 1000, kLampPlace, kDirection, kPathSeed, kSite };
 
-/// Returns the light that a path found; nothing if it is not finite.
+/// Returns the light that a path found; zero if it is not finite.
 Vec3 light_of(const render::Path& path) {
   const Vec3 light = path.direct + path.indirect;
   return light.hasNaN() ? Vec3(Vec3::Zero()) : Vec3(light.cwiseMin(render::kBrightest));
 }
 
-/// Minimum standard error of stratified samples, as a share of that of independent ones.
+/// Minimum standard error of stratified samples, as a fraction of that of independent samples.
 constexpr double kMinShare = 0.15;
 
 /// The mean of samples that come in rounds. Each round is stratified, so the error is estimated from the scatter of the
-/// rounds' means; that of the samples would overestimate it.
+/// rounds' means; the scatter of the samples would overestimate it.
 struct Estimate {
   Vec3 sum = Vec3::Zero();
   Vec3 direction = Vec3::Zero();
   Vec3 round = Vec3::Zero();
   double rounds = 0.0;   ///< Sum of the rounds' luminances.
-  double squares = 0.0;  ///< Sum of their squares.
+  double squares = 0.0;  ///< Sum of the squares of the rounds' luminances.
   double sample_squares = 0.0;
-  int count = 0;  ///< Rounds.
+  int count = 0;  ///< Number of rounds.
 
   void add(const Vec3& light, const Vec3& from) {
     round += light;
@@ -70,7 +70,7 @@ struct Estimate {
     // A few rounds may agree by chance.
     return std::max(of_rounds, kMinShare * of_samples);
   }
-  /// For `samples` samples in all, in rounds as far as there are enough.
+  /// Returns the result of `samples` samples in total, in rounds as far as there are enough.
   [[nodiscard]] GatheredLight gathered(int samples) const {
     const auto share = 1.0f / static_cast<float>(samples);
     return {share * (sum + round), share * direction, count < 1 ? 0.0f : static_cast<float>(error())};
@@ -245,7 +245,7 @@ void LightTracer::gather(std::span<const LightSpot> spots, int first_ray, int ra
   const bool only_lamps = bounces == 0;
   view_.quality.bounces = bounces;
   const auto per_spot = static_cast<std::size_t>(rays);
-  // Textures far away are blurred over the solid angle of a ray.
+  // Textures are blurred over the solid angle of a ray.
   const float spread = std::sqrt(2.0f * render::kPi / static_cast<float>(rays));
   for (std::size_t first = 0; first < spots.size(); first += together) {
     if (must_end()) return;

@@ -13,19 +13,19 @@
 
 namespace cyclorama::light_baking {
 
-/// Irradiance at a point over pi, divided by its origin. The sum of both, plus the scene's ambient light, is what a
-/// sample stores. Light of a lamp may be found by a shadow ray or by a scattered ray that hits it; each counts with the
-/// weight of the power heuristic, so `lamps` alone is not all direct light.
+/// Irradiance at a point over pi, divided by its origin into LampLight and GatheredLight. A sample stores the sum of
+/// both and the scene's ambient light. A lamp may be found by a shadow ray or by a scattered ray that hits it. Each
+/// contributes with the weight of the power heuristic, so LampLight alone is not all direct light.
 struct LampLight {
   render::Vec3 light = render::Vec3::Zero();
-  render::Vec3 direction = render::Vec3::Zero();  ///< Sum of directions, each weighted by the luminance from there.
-  float error = 0.0f;                             ///< Standard error of its luminance.
+  render::Vec3 direction = render::Vec3::Zero();  ///< Sum of directions, each weighted by the luminance from it.
+  float error = 0.0f;                             ///< Standard error of the luminance of `light`.
 };
 
 struct GatheredLight {
   render::Vec3 light = render::Vec3::Zero();
-  render::Vec3 direction = render::Vec3::Zero();  ///< The same sum as LampLight's.
-  float error = 0.0f;                             ///< Standard error of its luminance.
+  render::Vec3 direction = render::Vec3::Zero();  ///< See LampLight::direction.
+  float error = 0.0f;                             ///< Standard error of the luminance of `light`.
 };
 
 struct TracerSettings {
@@ -55,30 +55,30 @@ class LightTracer {
   /// Returns the longest processor time, in seconds, between two of these calls.
   [[nodiscard]] double max_run() const { return max_run_; }
 
-  /// Estimates the light that comes straight from lamps and the sky, by shadow rays: at least 16 for each spot, then
-  /// more until the standard error is below `light_error` of the light or there are `max_light_rays`. Spots that do
-  /// not exist get none. One round is enough if its rays agree on some light.
+  /// Estimates the light that comes directly from lamps and the sky, by shadow rays. Each spot gets at least 16 rays,
+  /// then more until the standard error is below `light_error` of the light or there are `max_light_rays`. A spot that
+  /// no light reaches gets up to 64. Spots that do not exist get none.
   void from_lamps(std::span<const LightSpot> spots, const TracerSettings& settings, std::span<LampLight> ret);
 
   /// Estimates all other light, by scattered rays, which read the light that the scene has at present where they arrive.
   /// Precondition: `settings.rays` is a power of two.
   void from_surfaces(std::span<const LightSpot> spots, GatherSettings settings, std::span<GatheredLight> ret);
 
-  /// Sets 1 for each pair of points with nothing between them, otherwise 0.
+  /// Sets 1 for each pair of points with nothing between them, and 0 for other pairs.
   void find_visible(std::span<const std::array<render::Vec3, 2>> pairs, std::span<std::uint8_t> ret);
-  /// Sets for each pair the share of the way from its first point to its second that nothing blocks.
+  /// Sets, for each pair, the unobstructed fraction of the line from its first point to its second.
   void find_free_share(std::span<const std::array<render::Vec3, 2>> pairs, std::span<float> ret);
 
  private:
-  /// The random decision of a ray that is about to start.
+  /// The random decisions of a ray that is about to start.
   struct Start {
     const LightPoint* from = nullptr;
-    std::uint32_t index = 0;  ///< Number of its sample, with the bits reversed.
+    std::uint32_t index = 0;  ///< Number of its sample, bit-reversed.
     std::uint32_t seed = 0;
     float u = 0.0f;
     float v = 0.0f;
   };
-  /// Returns the numbers of the first `count` starts, such that those of equal `part_` follow one another.
+  /// Returns the numbers of the first `count` starts, sorted by `part_`.
   [[nodiscard]] std::span<const std::uint16_t> by_part(std::size_t count);
   /// Takes rays `first_ray` to `first_ray` + `rays` of each spot; at most render::kMaxRays.
   void gather(std::span<const LightSpot> spots, int first_ray, int rays, int bounces, std::span<GatheredLight> ret);
@@ -96,11 +96,11 @@ class LightTracer {
   double max_run_ = 0.0;
   render::TraceView view_;
   std::unique_ptr<render::PathBatch> batch_;
-  std::vector<render::Vec3> directions_;  ///< In which each path of the batch starts.
+  std::vector<render::Vec3> directions_;  ///< Direction in which each path of the batch starts.
   std::vector<Start> starts_;             ///< The start of each path of the batch.
-  std::vector<std::uint8_t> part_;        ///< The part of all ways that each path takes, below kParts.
+  std::vector<std::uint8_t> part_;        ///< Class of similar ways to which each path belongs, below kParts.
   std::vector<std::uint16_t> order_;
-  std::unique_ptr<render::CellFilm> film_;  ///< The kernels want one; nothing is kept of it.
+  std::unique_ptr<render::CellFilm> film_;  ///< Required by the kernels; its contents are not used.
 };
 
 }  // namespace cyclorama::light_baking

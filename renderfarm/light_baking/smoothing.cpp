@@ -9,11 +9,11 @@ namespace {
 
 using render::Vec3;
 
-/// Cosines between normals at which a neighbour begins to count, and counts in full: 45 and 18 degrees.
+/// Cosines between normals from which a neighbour counts at all (45 degrees) and counts fully (18 degrees).
 constexpr float kMinAgreement = 0.7f;
 constexpr float kFullAgreement = 0.95f;
-/// Share of a sample's variance that is left after two means over six neighbours and itself, and the share of it in the
-/// sample's difference from that mean; for a regular mesh.
+/// For a regular mesh: the fraction of a sample's variance that is left after two means over six neighbours and the
+/// sample itself, and the fraction of the variance in the sample's difference from that mean.
 constexpr float kLeftVariance = 0.08f;
 constexpr float kDifferenceVariance = 0.8f;
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Takes noise from gathered light, at the vertices of a mesh or on a grid, by means over neighbours on the surface.
 ///
-/// Light from other surfaces varies slowly, so neighbours are much alike. The part of a sample's difference
-/// from its neighbourhood that its standard error does not explain is signal and stays (Wiener's filter). Differences
-/// are pooled over the neighbourhood, because a single one is mostly noise. Source: Kavan, Bargteil and Sloan, "Least
-/// Squares Vertex Baking", 2011, for smoothness along surfaces; Lee, "Digital Image Enhancement and Noise Filtering by Use of Local
-/// Statistics", 1980, for the share that stays.
+/// Light from other surfaces varies slowly, so neighbouring samples are similar. The part of a sample's difference from
+/// its neighbourhood that its standard error does not explain is signal and is kept (Wiener filter). The differences
+/// are pooled over the neighbourhood, because a single one is mostly noise. Sources: Kavan, Bargteil and Sloan, "Least
+/// Squares Vertex Baking", 2011, for smoothness along surfaces; Lee, "Digital Image Enhancement and Noise Filtering by
+/// Use of Local Statistics", 1980, for the share that is kept.
 #pragma once
 
 #include "renderfarm/light_baking/base_side.h"

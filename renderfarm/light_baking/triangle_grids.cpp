@@ -16,42 +16,44 @@ namespace {
 using light::TriangleGrid;
 using render::Vec3;
 
-/// Eyes are sampled at some positions only; a visitor may come nearer to a triangle than any of them.
+/// Factor on distances to the nearest eye, because visitors may come closer than the sampled eyes.
 constexpr double kNearer = 0.7;
-/// Within a triangle of at least this many parts, light from other surfaces is taken to vary, too.
+/// Minimum parts of a triangle on which light from other surfaces is assumed to vary.
 constexpr int kManyParts = 16;
-/// Probes may differ by this many standard errors before they count.
+/// Number of standard errors by which probes may differ without counting as different.
 constexpr float kSigmas = 2.5f;
-/// Points at a triangle's corners are moved towards its middle by this fraction, away from its neighbours.
+/// Fraction by which points at a triangle's corners are moved towards its middle, away from neighbouring triangles.
 constexpr float kInwards = 0.02f;
-/// Upper bound of the probes of a triangle.
+/// Maximum probes per triangle.
 constexpr int kMaxProbes = 6;
-/// Lamps' light whose range around a triangle is a smaller share of it is smooth. If it bends evenly over that range, the
-/// light between the vertices is off by an eighth of this.
+/// The lamps' light around a triangle is smooth if its range is at most this fraction of the light. If the light is
+/// evenly curved over that range, interpolation between vertices errs by an eighth of the range.
 constexpr float kSmoothRange = 0.08f;
-/// Smooth triangles of fewer visible parts are not probed: a shadow that falls between all vertices is as small.
+/// Smooth triangles with fewer visible parts are not probed: a shadow that falls between all vertices is as small as
+/// the triangle.
 constexpr int kMinSmoothProbed = 8;
-/// A grid begins with this share of the parts that visitors could see, up to kMaxStart.
+/// A grid begins with 1/kStartShare of the parts that visitors could distinguish, up to kMaxStart.
 constexpr int kStartShare = 8;
 constexpr int kMaxStart = 4;
-constexpr int kHugeStart = 16;  ///< Parts with which the grid of a triangle of kHugeParts or more begins.
-/// Probes of a large triangle, and rays of each, that look for light from other surfaces.
+constexpr int kHugeStart = 16;  ///< Initial parts of the grid of a triangle with at least kHugeParts.
+/// Number of probes of a large triangle for light from other surfaces, and of rays per probe.
 constexpr int kSurfaceProbes = 3;
 constexpr int kSurfaceProbeRays = 16;
 /// Parts of the grid for light from other surfaces; a triangle of kHugeParts or more begins with the latter.
 constexpr int kSurfaceParts = 4;
 constexpr int kHugeSurfaceParts = 16;
 constexpr int kHugeParts = 64;
-/// A triangle with this many visible parts is wide: some 20 degrees of the picture.
+/// Number of visible parts from which a triangle is wide: about 20 degrees of the picture.
 constexpr double kWideParts = 128.0;
-/// Parts that a visitor could tell apart, for each part of a grid, beyond which paths are traced instead.
+/// Maximum visible parts per part of a grid; if there are more, paths are traced instead.
 constexpr double kMaxCoarseness = 16.0;
 const Vec3 kMiddle = Vec3::Constant(1.0f / 3.0f);
 
 Vec3 weights_of(float u, float v) { return {1.0f - u - v, u, v}; }
 
-/// Returns point number `i` of a triangle's probes, evenly distributed. They are a folded Sobol sequence, which is as
-/// good for few points as the constructions of Basu and Owen, "Low Discrepancy Constructions in the Triangle", 2015.
+/// Returns point number `i` of a triangle's probes, which are evenly distributed. They are a folded Sobol sequence. For
+/// few points, it is as good as the constructions of Basu and Owen, "Low Discrepancy Constructions in the Triangle",
+/// 2015.
 Vec3 probe_weights(std::uint32_t seed, int i) {
   const render::SobolPoint at = render::sobol_point(render::reversed_bits(static_cast<std::uint32_t>(i)), seed, 0);
   return at.u + at.v > 1.0f ? weights_of(1.0f - at.u, 1.0f - at.v) : weights_of(at.u, at.v);
@@ -108,7 +110,7 @@ class GridMaker {
     grid->parts = grid->next_parts();
     grid->light = sampled(*grid, grid->parts);
     grid->rough.assign(grid->light.size(), 1);
-    // Errors lie along the edges of shadows, so their area is proportional to the spacing.
+    // Errors occur along the edges of shadows, so their area is proportional to the spacing.
     grid->squared_error /= static_cast<float>(grid->parts);
   }
 
@@ -217,7 +219,7 @@ class GridMaker {
     }
   }
 
-  /// Returns the light of lamps at points.
+  /// Returns the lamps' light at points.
   [[nodiscard]] std::vector<ProbeLight> lamps_at(std::span<const LightSpot> points) {
     std::vector<LampLight> lamps(points.size());
     tracer_.from_lamps(points, {settings_.max_grid_light_rays, static_cast<float>(settings_.grid_light_error)}, lamps);
@@ -226,7 +228,7 @@ class GridMaker {
     return light;
   }
 
-  /// Interpolates part(base sample), which has `light` and `error`, between a triangle's base samples.
+  /// Interpolates between a triangle's base samples. `part` selects a member of PointLight.
   template <typename Part>
   [[nodiscard]] ProbeLight interpolated_base(std::uint32_t triangle, const Vec3& weights, const Part& part) const {
     ProbeLight sum;
@@ -246,12 +248,12 @@ class GridMaker {
     return interpolated_base(
         triangle, weights, [](const PointLight& light) -> const auto& { return light.surfaces; });
   }
-  /// Returns the luminance of all light that is interpolated at a point.
+  /// Returns the luminance of all interpolated light at a point.
   [[nodiscard]] float all_light(std::uint32_t triangle, const Vec3& weights) const {
     return render::luminance(base_lamps(triangle, weights).light + base_surfaces(triangle, weights).light);
   }
 
-  /// Returns the difference of two samples in excess of the noise, relative to the light there plus `dim_light`.
+  /// Returns the difference between two samples in excess of their noise, relative to `light` plus `dim_light`.
   [[nodiscard]] float difference(const ProbeLight& a, const ProbeLight& b, float light) const {
     const float noise = kSigmas * std::hypot(a.error, b.error);
     const float found = std::abs(render::luminance(a.light) - render::luminance(b.light));
@@ -266,13 +268,13 @@ class GridMaker {
     return std::clamp(candidate.max_parts / 4, 2, kMaxProbes);
   }
 
-  /// A point at which the light is compared with that of the vertices.
+  /// A point at which the light is compared with that interpolated from the vertices.
   struct Probe {
     std::size_t candidate;
     Vec3 weights;
   };
 
-  /// Compares light at points inside the triangles with that of their vertices.
+  /// Compares the light at points inside the triangles with that of the vertices.
   void probe() {
     std::vector<LightSpot> points;
     std::vector<Probe> probes;
@@ -288,7 +290,7 @@ class GridMaker {
     for (std::size_t i = 0; i < probes.size(); ++i) {
       GridInWork& candidate = candidates_[probes[i].candidate];
       ProbeLight base = base_lamps(candidate.triangle, probes[i].weights);
-      // The sites of a large triangle's vertices lie far apart, so their scatter is no measure of noise.
+      // The sites of a large triangle's vertices are far apart, so their scatter does not measure noise.
       if (is_large(candidate)) base.error = 0.0f;
       const float found = difference(light[i], base, all_light(candidate.triangle, probes[i].weights));
       if (is_error(found)) candidate.squared_error += found * found / static_cast<float>(probes_of(candidate));
@@ -296,8 +298,8 @@ class GridMaker {
     probe_surfaces(points, probes);
   }
 
-  /// Compares light from other surfaces, which is noisy but smooth, at some of the same points: what their differences
-  /// have in common beyond their noise is an error.
+  /// Compares the light from other surfaces, which is noisy but smooth, at some of the probes. The mean squared
+  /// difference in excess of the noise counts as an error.
   void probe_surfaces(std::span<const LightSpot> points, std::span<const Probe> probes) {
     std::vector<LightSpot> chosen_points;
     std::vector<Probe> chosen;
@@ -381,7 +383,7 @@ class GridMaker {
 
   [[nodiscard]] static Vec3 grid_weights(int parts, int i, int j) {
     const auto scale = 1.0f / static_cast<float>(parts);
-    // Corners are moved slightly inwards, away from the neighbouring triangles.
+    // Corners are moved inwards slightly, away from the neighbouring triangles.
     const Vec3 weights = weights_of(static_cast<float>(i) * scale, static_cast<float>(j) * scale);
     const float inwards = kInwards * scale;
     return weights * (1.0f - inwards) + Vec3::Constant(inwards / 3.0f);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Finds the triangles on which light varies more than between their vertices, and samples them finely.
+/// Finds the triangles on which light varies more than between their vertices, and samples them on finer grids.
 #pragma once
 
 #include <span>
@@ -11,13 +11,13 @@
 
 namespace cyclorama::light_baking {
 
-/// The light at a base sample, by its origin.
+/// The light at a base sample, divided by origin.
 struct PointLight {
   LampLight lamps;
   GatheredLight surfaces;
 };
 
-/// A side of a placement with its base samples.
+/// One side of a placement, with its base samples.
 struct LitSide {
   const render::Placement* placement = nullptr;
   bool back = false;
@@ -32,12 +32,13 @@ struct LitSide {
 /// A triangle to be examined.
 struct SeenTriangle {
   std::uint32_t triangle = 0;
-  float distance = 0.0f;                                       ///< Metres to the nearest eye.
-  render::Vec3 seen_at = render::Vec3::Constant(1.0f / 3.0f);  ///< Weights of a point that this eye sees.
+  float distance = 0.0f;                                       ///< Distance to the nearest eye in metres.
+  render::Vec3 seen_at = render::Vec3::Constant(1.0f / 3.0f);  ///< Weights of a point that the nearest eye sees.
 };
 
-/// A triangle with fewer visible parts is so small that a wrong corner affects a few pixels only. Tracing it instead
-/// would cost more than it gains, since surfaces intersect nearly everywhere.
+/// Minimum visible_parts() for a triangle to be examined for hidden corners. In a smaller triangle, a wrong corner
+/// affects only a few pixels, and tracing it would cost more than it gains, because surfaces intersect nearly
+/// everywhere.
 inline constexpr double kMinBlockedParts = 32.0;
 
 /// Mean error of the light of lamps on a triangle, relative to that light, beyond which bounces do not interpolate it.
@@ -50,23 +51,23 @@ inline constexpr float kMaxMisread = 0.01f;
 /// A triangle that may get a grid, with the samples that it has so far.
 struct GridInWork {
   std::uint32_t triangle = 0;
-  int max_parts = 1;           ///< Finest parts that a visitor could tell apart, within the settings; a power of two.
-  double visible_parts = 1.0;  ///< The same without the settings' limit.
-  bool is_smooth = false;      ///< The lamps' light hardly varies between its corners and around them.
-  int parts = 0;               ///< 0: only the vertices' samples.
-  /// Mean squared error of the interpolation between its samples, relative to the light there plus `dim_light`, without
-  /// the noise of the measurement.
+  int max_parts = 1;           ///< Parts (a power of two) that a visitor could distinguish, within the settings.
+  double visible_parts = 1.0;  ///< See visible_parts(); not limited by the settings.
+  bool is_smooth = false;      ///< True if the lamps' light hardly varies between and around the corners.
+  int parts = 0;               ///< Parts of the grid; 0: only the vertices' samples.
+  /// Mean squared error of the interpolation between the samples, without the noise of the measurement, relative to the
+  /// light there plus `dim_light`.
   float squared_error = 0.0f;
-  bool is_needed = false;  ///< The vertices' samples cannot be used, so without a grid paths are traced.
+  bool is_needed = false;  ///< True if the vertices' samples cannot be used, so that paths are traced without a grid.
   bool has_blocked_corner = false;
   bool needs_surfaces = false;  ///< Light from other surfaces, too, varies more than between the vertices.
   bool is_misread = false;  ///< The vertices misstate the light of lamps; see find_misread().
   std::vector<ProbeLight> light{};
   std::vector<std::uint8_t> rough{};  ///< 1 for samples next to which light varies more than linearly.
 
-  /// Returns true if a step could improve it.
+  /// Returns true if another step could improve the grid.
   [[nodiscard]] bool wants_step() const { return squared_error > 0.0f && parts < max_parts; }
-  /// Returns true if a few probes cannot rule out a shadow, so that it always gets a grid.
+  /// Returns true if the triangle is so large that a few probes cannot rule out a shadow. It always gets a grid.
   [[nodiscard]] bool is_huge() const;
   /// Returns true if it is to be expected that light from other surfaces varies between its corners.
   [[nodiscard]] bool is_uneven() const { return is_huge() || is_misread; }
@@ -100,8 +101,8 @@ struct ProbedTriangle {
 /// Compares light at points inside the triangles with that of their vertices, and returns those that need a grid.
 [[nodiscard]] std::vector<GridInWork> probe_triangles(const LitSide& side, std::span<const SeenTriangle> triangles,
                                                       const BakeSettings& settings, LightTracer& tracer);
-/// Makes the first grid of a triangle, or halves the spacing of its samples. If that improves nothing, the grid stays
-/// as it is and gets no further steps. Precondition: wants_step().
+/// Makes the first grid of a triangle, or halves the spacing of its samples. If halving improves nothing, the grid is
+/// kept and gets no further steps. Precondition: wants_step().
 void advance_grid(const LitSide& side, const BakeSettings& settings, LightTracer& tracer, GridInWork* grid);
 /// Adds the light from other surfaces to a grid that has samples. If that light varies more finely, an uneven triangle
 /// gets more samples, up to `max_samples`.

@@ -10,9 +10,10 @@ namespace {
 
 using render::Vec3;
 
-/// Weight of a site's own corner: the mean of a corner's weight over the triangle, weighted by itself.
+/// Weight of a site's own corner: the mean of the corner's barycentric weight over the triangle, weighted by itself.
 constexpr float kOwnCorner = 0.5f;
-/// Sites that had to move stay this share of the free way off what blocks it, and count by this share.
+/// A moved site keeps this fraction of the unobstructed line as its distance from the obstacle; its weight is
+/// multiplied by kMovedWeight.
 constexpr float kClearance = 0.1f;
 constexpr float kMovedWeight = 1e-6f;
 

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A point at which the light of a vertex is taken: inside a seen triangle around it, not at the vertex itself.
+/// The points at which the light of a vertex is taken, which are inside seen triangles around the vertex instead of at
+/// it.
 ///
-///        b ______ a        Each triangle has one site for each of its vertices, half of the way to its middle line:
-///         \  o   /         the centre of the vertex's share of it. The mean of all sites, by area, is the mean of the
-///          \ ·  /          light over the surface, which the vertices themselves do not give: they lie in valleys,
-///           \  /           whose horizon is higher, their normals agree with those between them only on average, and
-///            c             some are hidden by what stands on the surface.
+///        b ______ a        Each triangle has one site for each of its vertices: the centroid of the vertex's share of
+///         \  o   /         the triangle, half of the way from the vertex to the middle of the opposite edge. The mean
+///          \ ·  /          of all sites, weighted by area, is the mean of the light over the surface. The light at
+///           \  /           the vertices themselves differs: vertices are in valleys, where the horizon is higher;
+///            c             their normals match those between them only on average; and objects hide some of them.
 ///
-/// Light interpolated between such means is blurred; sharpen() undoes most of that. Source: Kavan, Bargteil and Sloan,
-/// "Least Squares Vertex Baking", 2011: the means are the right side of their equations, sharpen() is a step of their
-/// solution.
+/// Light interpolated between such means is blurred; sharpen() undoes most of the blur. Source: Kavan, Bargteil and
+/// Sloan, "Least Squares Vertex Baking", 2011: the means are the right-hand side of their equations, and sharpen() is
+/// one step of their solution.
 #pragma once
 
 #include <vector>
@@ -18,19 +19,21 @@
 
 namespace cyclorama::light_baking {
 
-/// Looks for the sites in some of the side's triangles, which lie at their number times 3 plus the corner's. A site that
-/// the seen point of its triangle does not see moves towards it until it does. Thread-bound by `tracer`.
+/// Finds the sites of some of the side's triangles. The site of corner c of triangles[i] is element 3 i + c of the
+/// result. A site that is hidden from the seen point of its triangle is moved towards that point until it is visible.
+/// Thread-bound like `tracer`.
 [[nodiscard]] std::vector<VertexSite> find_sites(const render::TraceScene& scene, const BaseSide& side,
                                                  std::span<const SeenTriangle> triangles, LightTracer& tracer);
 
-/// Gives each vertex its sites, from those of all the side's triangles. A site that had to move counts only if all
-/// sites of its vertex had to: the vertex is hidden. Returns the number of such vertices.
+/// Assigns its sites to each vertex. `sites` are those of all the side's triangles. A vertex is hidden if all of its
+/// sites had to be moved; otherwise, moved sites do not count. Returns the number of hidden vertices.
 std::size_t assign_sites(const render::Placement& placement, std::span<const VertexSite> sites, BaseSide* side);
 
-/// Returns the points of a sample, with the weights up to each; one point for a sample that has no sites.
+/// Returns the points of a sample with their cumulative weights; a sample without sites has one point.
 [[nodiscard]] LightSpot spot_of(const render::Placement& placement, const BaseSide& side, std::uint32_t sample);
 
-/// Raises the differences of the light between vertices that come from their sites' distance. Light stays positive.
+/// Increases the differences of light between neighbouring vertices, which averaging over their sites has reduced.
+/// Light stays positive.
 void sharpen(const render::Placement& placement, BaseSide* side);
 
 }  // namespace cyclorama::light_baking

@@ -20,10 +20,10 @@ namespace {
 
 using render::Vec3;
 
-/// Eyes are sampled up to this far, in metres, above and below the scene's start eye, for children, tall people and bent
-/// heads.
+/// Maximum height of the sampled eyes above and below the scene's start eye, in metres; allows for children, tall
+/// people and bent heads.
 constexpr double kHeightBand = 0.25;
-/// Attempts to find a walkable position; in an area too narrow for that, only the start is used.
+/// Maximum attempts to find a walkable position. If the area is too narrow, only the start is used.
 constexpr int kMaxAttempts = 10'000;
 
 bool is_walkable(const scene::SceneInfo& info, const Eigen::Vector2d& place) {
@@ -31,7 +31,8 @@ bool is_walkable(const scene::SceneInfo& info, const Eigen::Vector2d& place) {
   return std::ranges::none_of(info.walkable_holes, [&](const auto& hole) { return scene::is_inside(hole, place); });
 }
 
-/// Places as bits, the distance first, so that threads may lower them: positive floats are ordered like their bits.
+/// Encoded observations, with the distance in the upper bits, so that threads can lower them atomically: positive
+/// floats have the order of their bits.
 using Bits = std::vector<std::atomic<std::uint64_t>>;
 
 std::uint64_t bits_of(const SeenPlace& place) {
@@ -54,8 +55,8 @@ void lower(std::atomic<std::uint64_t>& bits, std::uint64_t value) {
   }
 }
 
-/// Returns direction number `i` of `count`: an even grid over the sphere, row by row, so that rays of a packet meet
-/// neighbouring triangles. `shift` in [0, 1)^2 moves the grid.
+/// Returns direction number `i` of `count` directions on a regular grid over the sphere, row by row, so that rays of a
+/// packet hit neighbouring triangles. `shift` in [0, 1)^2 moves the grid.
 Vec3 direction_of(int i, int count, const Eigen::Vector2d& shift) {
   const int columns = static_cast<int>(std::sqrt(2.0 * count));
   const int rows = std::max(1, count / columns);

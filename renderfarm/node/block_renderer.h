@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A node's interface to a ray tracer: production adapts Renderer (renderfarm/render), tests draw patterns.
+/// A node's interface to a ray tracer. Production code adapts Renderer (renderfarm/render); tests draw patterns.
 #pragma once
 
 #include <fmt/format.h>
@@ -24,13 +24,13 @@
 
 namespace cyclorama::node {
 
-/// A part of a denoised picture that is being rendered. Thread-bound.
+/// Computes one part of a denoised picture. Thread-bound.
 class DenoisedWork {
  public:
   virtual ~DenoisedWork() = default;
-  /// Goes on until the part is done or `stop` returns true, which is called every few milliseconds, from any thread.
-  /// Returns the cost of this call. `ret_pixels` stays as it is until the part is done; then it has the part's size, and
-  /// `ret_depth` that of its cells, or none unless the view requests depth.
+  /// Continues until the part is done or `stop` returns true. `stop` is called every few milliseconds, from any thread.
+  /// Returns the cost of this call. `ret_pixels` is unchanged until the part is done; it then has the part's size, and
+  /// `ret_depth` that of the part's cells. `ret_depth` stays empty unless the view requests depth.
   virtual render::RenderCost advance(const std::function<bool()>& stop, RgbImage* ret_pixels,
                                      InverseDepthImage* ret_depth) = 0;
 
@@ -44,39 +44,41 @@ class DenoisedWork {
 class BlockRenderer {
  public:
   virtual ~BlockRenderer() = default;
-  /// Begins to render and denoise; nothing is rendered yet. Denoising needs a margin around `rect`, so a large one is
-  /// cheaper than its tiles. The result must not outlive the renderer.
+  /// Prepares to render and denoise `rect`; DenoisedWork::advance() does the work. Denoising needs a margin around each
+  /// rect, so one large rect costs less than its tiles. The result must not outlive the renderer.
   [[nodiscard]] virtual std::unique_ptr<DenoisedWork> begin_denoised(const render::PanoramaView& view,
                                                                      const PixelRect& rect) = 0;
-  /// Renders only the given samples of the view, whatever number of samples it requests, into `film`, which has the
-  /// rect's size, no features, and the cells' depth if the view requests it. `cancelled` is called before each cell, from
-  /// any thread. Cells that have samples stay as they are, so a cancelled film can be continued. Sums of films of the same
-  /// ranges, added in the same order, are bit-identical on any node.
+  /// Renders the given samples of the view into `film`, whatever number of samples the view requests. `film` must have
+  /// the rect's size, no features, and the cells' depth if the view requests it. `cancelled` is called before each
+  /// cell, from any thread. Cells that already have samples are left unchanged, so a cancelled film can be continued.
+  /// Sums of films of the same ranges, added in the same order, are bit-identical on any node.
   virtual render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,
                                          const governor::SampleRange& samples, render::Film* film,
                                          const std::function<bool()>& cancelled) = 0;
-  /// Returns the pixels that render() would make of a film of that mean, bit-identical.
+  /// Returns the pixels that Renderer::render() would produce from a film with this mean, bit for bit.
   [[nodiscard]] virtual RgbImage developed(const RadianceImage& mean) const = 0;
-  /// Returns everything but the name, which the coordinator assigns.
+  /// Returns the description of the scene without its name, which the coordinator assigns.
   [[nodiscard]] virtual wire::SceneDescription description() const = 0;
-  /// Returns one sentence about what the scene brings that could not be used; empty if everything could.
+  /// Returns one sentence about the parts of the scene that could not be used; empty if there are none.
   [[nodiscard]] virtual std::string note() const = 0;
   /// Returns true if the scene's light can be computed ahead.
   [[nodiscard]] virtual bool can_have_light() const { return false; }
-  /// Reads a file of light (renderfarm/light/light_file.h), checks that it is the scene's, and keeps it under its version
-  /// beside the one before; may take seconds. `name` identifies the file in errors. Thread-safe. Errors: as light_file.h.
+  /// Reads a file of stored light (renderfarm/light/light_file.h), checks that it belongs to this scene, and keeps it
+  /// under its version beside the previous one. May take seconds. `name` identifies the file in errors. Thread-safe.
+  /// Errors: those of light_file.h.
   virtual Result<VersionedLight> add_light(std::span<const std::byte> file, std::string_view name) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("{}: this renderer uses no stored light ({} bytes)", name, file.size()));
   }
-  /// Thread-safe. Null if the renderer has none.
+  /// Returns the versions of the scene's light; null if the renderer uses no stored light. Thread-safe.
   [[nodiscard]] virtual const LightVersions* light_versions() const { return nullptr; }
-  /// Sets the light that pictures read from now on. Takes no time.
+  /// Sets the light that pictures use from now on. Returns at once.
   virtual void use_light(const VersionedLight& /*light*/) {}
   [[nodiscard]] virtual std::uint64_t memory_bytes() const = 0;
-  /// Returns the bounces of light in the scene's reference picture.
+  /// Returns the number of bounces in the scene's reference picture.
   [[nodiscard]] virtual int bounces() const = 0;
-  /// Returns the thread time per megapixel of a small fixed picture from the scene's start: the host's speed.
+  /// Returns the thread time per megapixel of a small fixed picture from the scene's start: a measure of the host's
+  /// speed.
   [[nodiscard]] virtual double probe_cpu_seconds() = 0;
 
  protected:
@@ -85,8 +87,8 @@ class BlockRenderer {
   BlockRenderer& operator=(const BlockRenderer&) = default;
 };
 
-/// Makes a BlockRenderer from a path on the node's disk; `progress` takes a fraction in [0, 1] and is never null.
-/// Errors are one sentence: file, place, remedy. May throw std::bad_alloc, which SceneStore turns into an error.
+/// Makes a BlockRenderer from a path on the node's disk; `progress` takes a fraction in [0, 1] and is never null. Each
+/// error is one sentence with file, place and remedy. May throw std::bad_alloc, which SceneStore turns into an error.
 using SceneLoader = std::function<Result<std::unique_ptr<BlockRenderer>>(const std::string& path,
                                                                          const std::function<void(double)>& progress)>;
 

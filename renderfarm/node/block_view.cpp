@@ -8,7 +8,7 @@
 namespace cyclorama::node {
 namespace {
 
-/// Precondition: validate(view).
+/// Precondition: validate() accepted the view.
 render::RenderQuality quality_of(const wire::View& view) {
   render::RenderQuality quality;
   quality.samples = static_cast<int>(view.samples());
@@ -37,7 +37,7 @@ Result<render::PanoramaView> view_of(const wire::RenderBlock& block) {
   whole.set_width_px(block.width_px());
   whole.set_height_px(block.height_px());
   TRY(validate(whole, picture.width_px(), picture.height_px()));
-  // The view's own number is the seed: noise changes from frame to frame and is the same on every node.
+  // The view's number is the seed: noise changes from frame to frame and is the same on every node.
   render::PanoramaView view;
   view.eye = from_wire(block.view().eye_m());
   view.heading_rad = block.view().heading_rad();

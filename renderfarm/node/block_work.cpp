@@ -21,12 +21,12 @@
 namespace cyclorama::node {
 namespace {
 
-/// Maximum pixels that are denoised together, so that a block of any size takes about 150 MB: 96 bytes per pixel until it
-/// is done, and as much while it is filtered. Parts have margins, which are rendered twice: as small as possible a part of
-/// them in larger parts.
+/// Maximum number of pixels that are denoised together, so that a block of any size takes about 150 MB: 96 bytes per
+/// pixel until it is done, and as much again while it is filtered. Each part has a margin that is rendered twice; the
+/// larger the part, the smaller the share of its margin.
 constexpr std::int64_t kMaxDenoisedPx = std::int64_t{1} << 20;
 
-/// Returns `part` as measured from the corner of `whole`.
+/// Returns `part` relative to the corner of `whole`.
 PixelRect relative(const PixelRect& part, const PixelRect& whole) {
   return {part.x - whole.x, part.y - whole.y, part.width, part.height};
 }
@@ -60,14 +60,14 @@ std::optional<RenderedTile> BlockWork::next_tile(FilmStore& films, const Interru
   CHECK(!is_done());
   const PixelRect& rect = tiles_[next_];
   if (light_) order_->renderer->use_light(*light_);
-  // It stays true once set; otherwise a film with holes would pass for a complete one.
+  // `stopped` stays true once set; otherwise a film with gaps could be taken for a complete one.
   std::atomic<bool> stopped = false;
   const Stop stop = [&] {
     if (!stopped && (interrupts.cancelled() || interrupts.preempted())) stopped = true;
     return stopped.load();
   };
   RgbImage pixels;
-  InverseDepthImage depth;  // A picture at rest needs none, since it is never shown from another eye.
+  InverseDepthImage depth;  // Stays empty for a picture at rest, which is never shown from another eye.
   if (block().keep()) {
     pixels = refined(rect, films, stop);
   } else if (block().view().denoise()) {
@@ -131,7 +131,7 @@ RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Stop&
   if (!tracing_) {
     const int wanted = static_cast<int>(block().view().first_sample() + block().view().samples());
     FilmStore::Kept kept = films.take({order_->link, block().session()}, picture, tile);
-    // More samples than wanted: the coordinator requests an earlier picture again.
+    // If there are more samples than wanted, the coordinator has requested an earlier picture again.
     if (kept.samples == 0 || kept.samples > wanted) {
       kept.film = new_film(tile);
       kept.samples = 0;
@@ -187,7 +187,7 @@ bool BlockWork::finish_prior(const PixelRect& tile, const Stop& stop) {
   if (film.width() == 0) film = render::Film(tile.width, tile.height, false);
   render::PanoramaView view = view_;
   view.quality.stored_light = true;
-  // These are the samples of the moving picture, whichever step of the refinement needs them.
+  // The prior has the samples of the moving picture, whichever step of the refinement uses it.
   view.quality.first_sample = 0;
   view.quality.samples = samples;
   view.quality.sequence = 0;
@@ -204,7 +204,7 @@ void BlockWork::add_cost(const render::RenderCost& cost, const PixelRect& rect) 
   cost_.rays += cost.rays;
   const PixelRect all = cells_touched(rect_of(block()));
   const PixelRect cells = cells_touched(rect);
-  if (cost.cell_cpu_seconds.size() != static_cast<std::size_t>(cells.area())) return;  // Costs were not measured.
+  if (cost.cell_cpu_seconds.size() != static_cast<std::size_t>(cells.area())) return;  // No costs were measured.
   auto seconds = cost.cell_cpu_seconds.begin();
   for (int row = cells.y; row < cells.y + cells.height; ++row) {
     for (int column = cells.x; column < cells.x + cells.width; ++column) {

@@ -16,10 +16,10 @@
 
 namespace cyclorama::node {
 
-/// A block that is being rendered tile by tile, and may be suspended between two pieces of work. Thread-bound.
+/// A block that is rendered tile by tile and may be suspended between two pieces of work. Thread-bound.
 class BlockWork {
  public:
-  /// Called often, from any thread. `preempted` may become false again; preempted work is resumed later.
+  /// Both are called often, from any thread. `preempted` may become false again; preempted work is resumed later.
   struct Interrupts {
     std::function<bool()> cancelled;
     std::function<bool()> preempted;
@@ -28,12 +28,13 @@ class BlockWork {
   /// Errors: one sentence on what is wrong with the order, such as a view out of range or a scene that is not loaded.
   static Result<BlockWork> begin(std::shared_ptr<const BlockOrder> order);
 
-  /// Renders the next tile. Returns nothing if interrupted: by `cancelled` for good; by `preempted` with all finished
-  /// cells kept. The first tile of a denoised block renders many together, since the denoiser reads around them: the
-  /// whole block, or as much of it as a bounded memory takes. May throw std::bad_alloc. Precondition: !is_done().
+  /// Renders the next tile. Returns nothing if interrupted: after `cancelled` for good, after `preempted` with all
+  /// finished cells kept. The first tile of a denoised block renders many tiles together, because the denoiser reads
+  /// pixels around each: the whole block, or as much of it as the memory limit allows. May throw std::bad_alloc.
+  /// Precondition: !is_done().
   std::optional<RenderedTile> next_tile(FilmStore& films, const Interrupts& interrupts);
   [[nodiscard]] bool is_done() const { return next_ == tiles_.size(); }
-  /// Returns a report if much time was spent since the last tile or report.
+  /// Returns a report if the block has taken much thread time since its last tile or report.
   [[nodiscard]] std::optional<wire::BlockProgress> progress();
   /// Returns the cost of all tiles so far, including unfinished ones.
   [[nodiscard]] const render::RenderCost& cost() const { return cost_; }
@@ -44,40 +45,40 @@ class BlockWork {
   /// The current tile of a picture that is not denoised.
   struct Tracing {
     render::Film film;                         ///< Sum of the finished ranges.
-    int samples = 0;                           ///< In `film` when all ranges are finished.
-    std::deque<governor::SampleRange> ranges;  ///< Samples that it lacks.
-    render::Film part;                         ///< Film of the first range, possibly unfinished.
-    RadianceImage prior;                       ///< FilmStore::Kept::prior, of a picture at rest.
-    render::Film prior_part;                   ///< Film of the prior, possibly unfinished.
+    int samples = 0;                           ///< Number of samples in `film` when all ranges are finished.
+    std::deque<governor::SampleRange> ranges;  ///< Samples that `film` still lacks.
+    render::Film part;                         ///< Film of the first of `ranges`, possibly unfinished.
+    RadianceImage prior;                       ///< FilmStore::Kept::prior of a picture at rest.
+    render::Film prior_part;                   ///< Film from which `prior` is made, possibly unfinished.
   };
   /// Tiles of a denoised block that are rendered together.
   struct Denoising {
     PixelRect rect;
     std::unique_ptr<DenoisedWork> work;
-    RgbImage pixels;  ///< Empty until all of it is rendered.
+    RgbImage pixels;  ///< Empty until the whole rect is rendered.
     InverseDepthImage depth;
   };
   BlockWork(std::shared_ptr<const BlockOrder> order, const render::PanoramaView& view,
             std::optional<VersionedLight> light);
 
-  /// Each returns an empty picture if it was stopped.
+  /// The next three return an empty picture if they were stopped.
   RgbImage traced(const PixelRect& tile, const Stop& stop, InverseDepthImage* ret_depth);
-  /// Adds to the tile's stored sums, or starts them anew.
+  /// Adds to the stored sums of the tile, or starts new sums.
   RgbImage refined(const PixelRect& tile, FilmStore& films, const Stop& stop);
   RgbImage denoised(const PixelRect& tile, const Stop& stop, InverseDepthImage* ret_depth);
-  /// Renders what the tile lacks. Returns false if it was stopped.
+  /// Renders the samples that the tile lacks. Returns false if it was stopped.
   bool finish_tracing(const PixelRect& tile, const Stop& stop);
-  /// Renders what the tile still lacks of the picture with stored light. Returns false if it was stopped.
+  /// Renders the samples that the tile's prior lacks. Returns false if it was stopped.
   bool finish_prior(const PixelRect& tile, const Stop& stop);
   [[nodiscard]] render::Film new_film(const PixelRect& tile) const;
-  /// Returns the rect of the tiles that are denoised together, from the next one on.
+  /// Returns the rect of the tiles that are denoised together, beginning with the next tile.
   [[nodiscard]] PixelRect next_denoised_rect() const;
   void add_cost(const render::RenderCost& cost, const PixelRect& rect);
   [[nodiscard]] const wire::RenderBlock& block() const { return order_->block; }
 
   std::shared_ptr<const BlockOrder> order_;
   render::PanoramaView view_;
-  std::optional<VersionedLight> light_;  ///< The version that the view names; it stays while the block is rendered.
+  std::optional<VersionedLight> light_;  ///< Version that the view names; kept alive while the block is rendered.
   std::vector<PixelRect> tiles_;
   std::size_t next_ = 0;
   render::RenderCost cost_;

@@ -20,8 +20,8 @@ constexpr Duration kStatusPeriod = std::chrono::seconds(1);
 
 using Stream = grpc::ClientReaderWriter<wire::NodeReport, wire::NodeCommand>;
 
-/// Sends until the link closes or finishes, or the stream breaks. A broken stream closes the link, so that nothing is
-/// rendered in vain.
+/// Sends until the link closes or finishes, or the stream breaks. A broken stream closes the link, which stops
+/// rendering for it.
 void send_reports(Stream& stream, NodeLink& link, NodeController& controller) {
   const SteadyClock clock;
   TileSender sender;

@@ -32,17 +32,17 @@ class CoordinatorConnection {
     std::shared_ptr<grpc::Channel> work;
     std::shared_ptr<grpc::Channel> files;
   };
-  /// Starts to connect. `address` is the coordinator's name in messages; `hello` is the first message of each stream.
+  /// Starts to connect. `address` names the coordinator in messages; `hello` is the first message of each stream.
   CoordinatorConnection(std::string address, Channels channels, wire::NodeReport hello, NodeController& controller);
   ~CoordinatorConnection();
   CoordinatorConnection(const CoordinatorConnection&) = delete;
   CoordinatorConnection& operator=(const CoordinatorConnection&) = delete;
 
-  /// Stops reconnecting, and ends the stream once everything that was rendered has been sent.
+  /// Stops reconnecting, and ends the stream once all rendered tiles have been sent.
   void finish();
-  /// Waits for the end that finish() requested; returns false at the deadline.
+  /// Waits until the stream has ended after finish(). Returns false at the deadline.
   bool wait_until_ended(TimePoint deadline);
-  /// Ends the stream now and joins. Idempotent.
+  /// Ends the stream now and joins the threads. Idempotent.
   void stop();
 
   /// Returns one sentence for the operator, such as "serving the coordinator at [::1]:7402".

@@ -18,14 +18,14 @@ namespace cyclorama::node {
 namespace {
 
 constexpr Duration kLook = std::chrono::milliseconds(50);
-/// Timeout for the next chunk, since a coordinator that serves many nodes at a limited rate may be slow.
+/// Timeout for the next chunk. It is long because a coordinator that serves many nodes at a limited rate may be slow.
 constexpr Duration kSilence = std::chrono::seconds(60);
 constexpr auto kListDeadline = std::chrono::seconds(10);
 constexpr std::size_t kPieceBytes = std::size_t{512} << 10;
 
 }  // namespace
 
-/// Cancels the current call once it is unwanted or silent, from a thread of its own, because the call itself blocks.
+/// Cancels the current call once it is unwanted or silent. Uses its own thread, because the call itself blocks.
 /// Thread-safe.
 class CallWatch {
  public:
@@ -61,7 +61,7 @@ class CallWatch {
 
 namespace {
 
-/// Watches the call during its own lifetime.
+/// Makes a CallWatch watch a call for as long as this object exists.
 class Watched {
  public:
   Watched(CallWatch& watch, grpc::ClientContext& context) : watch_(watch) { watch_.watch(&context); }

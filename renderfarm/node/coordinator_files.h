@@ -20,8 +20,8 @@ namespace cyclorama::node {
 
 class CallWatch;
 
-/// The coordinator as a source of files, and as the store of light that this node computed. Each call blocks; it is cut
-/// when `cancelled` returns true or the coordinator is silent for a minute. Thread-bound.
+/// The coordinator as a source of files, and as the store for light that this node computed. Each call blocks; it is
+/// aborted when `cancelled` returns true or the coordinator is silent for a minute. Thread-bound.
 class CoordinatorFiles final : public scene_distribution::FileSource {
  public:
   /// `cancelled` is called often, also from another thread, and must outlive this object.
@@ -30,10 +30,11 @@ class CoordinatorFiles final : public scene_distribution::FileSource {
   CoordinatorFiles(const CoordinatorFiles&) = delete;
   CoordinatorFiles& operator=(const CoordinatorFiles&) = delete;
 
-  /// Returns the files of the scene with that digest.
+  /// Returns the files of the scene with this digest.
   Result<scene_distribution::SceneFiles> list(const std::string& digest);
   Status read(const std::string& sha256, std::uint64_t offset, const Sink& sink) override;
-  /// Returns a whole file of at most `max_bytes`. Errors: the coordinator's; kBadData if the bytes are others.
+  /// Returns a whole file of at most `max_bytes`. Errors: the coordinator's; kBadData if the bytes do not match
+  /// `sha256`.
   Result<std::vector<std::byte>> whole(const std::string& sha256, std::uint64_t max_bytes);
   /// Sends light that the coordinator requested.
   Status store_light(const std::string& version, std::span<const std::byte> file);

@@ -17,7 +17,7 @@
 namespace cyclorama::node {
 namespace {
 
-/// Approximate share of reading in the time from the first byte to the first ray; the rest builds the BVH.
+/// Approximate share of reading files in the time from the first byte to the first ray; the rest is building the BVH.
 constexpr double kReadingShare = 0.6;
 
 class EmbreeDenoisedWork final : public DenoisedWork {
@@ -112,7 +112,7 @@ class EmbreeBlockRenderer final : public BlockRenderer {
     if (renderer_->light() != light.store.get()) renderer_->use_light(light.store);
   }
 
-  /// Adds the light that is stored in the scene's folder, if there is any. note() gives the reason if it is not usable.
+  /// Adds the light that is stored in the scene's folder, if any. If it cannot be used, note() states the reason.
   void add_stored_light(const std::filesystem::path& scene) {
     const std::filesystem::path path = scene / light::kLightFileName;
     std::error_code none;
@@ -140,7 +140,7 @@ class EmbreeBlockRenderer final : public BlockRenderer {
     view.quality.samples = 1;
     const PixelRect whole{0, 0, view.panorama.width_px, view.panorama.height_px};
     double min = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < 3; ++i) {  // The first run warms the caches; the minimum excludes other load of the host.
+    for (int i = 0; i < 3; ++i) {  // The first run warms the caches; the minimum excludes other load on the host.
       RgbImage picture;
       min = std::min(min, renderer_->render(view, whole, &picture, nullptr).cpu_seconds);
     }

@@ -13,7 +13,7 @@
 namespace cyclorama::node {
 namespace {
 
-/// Nice value of the render threads: they fill all processors, and neither an order nor a tile may wait for them.
+/// Nice value of the render threads. They use all processors, and must delay neither orders nor tiles.
 constexpr int kRaysGiveWay = 5;
 
 }  // namespace
@@ -57,7 +57,7 @@ FarmNode::FarmNode(const FarmNodeOptions& options, SceneLoader loader, LightStar
 FarmNode::~FarmNode() { stop(); }
 
 void FarmNode::drain(Duration limit) {
-  // A coordinator that has not received the status yet may have sent one more block.
+  // A coordinator that has not yet received the status may have sent one more block.
   constexpr Duration kQuiet = std::chrono::milliseconds(250);
   constexpr Duration kForSending = std::chrono::seconds(1);
   const TimePoint deadline = SteadyClock().now() + limit;

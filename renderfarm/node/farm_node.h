@@ -24,21 +24,20 @@ struct FarmNodeOptions {
   std::string name{};                       ///< Name shown to the operator.
   int threads = 1;                          ///< Threads of the renderer; the coordinator balances by this number.
   std::uint64_t memory_limit_bytes = 0;     ///< Limit for scenes and films together; 0: scenes are not limited.
-  /// Cache for distributed scenes; without a folder the node accepts none.
+  /// Cache for distributed scenes. A node without a cache folder accepts no distributed scenes.
   scene_distribution::SceneCacheOptions cache{};
   bool computes_light = true;     ///< Computes the light of scenes ahead while there is nothing to render.
-  std::optional<TlsFiles> tls{};  ///< Empty: not encrypted, for coordinators on this machine.
+  std::optional<TlsFiles> tls{};  ///< Empty: unencrypted, for coordinators on this machine.
 };
 
-/// Serves its coordinators until stopped; never listens. Threads: `render`, `load`, `light`, and for each coordinator `link` and
-/// `send` (coordinator_connection.h); the renderer has threads of its own. A block whose stream ended is given up at
+/// Serves its coordinators until stopped; never listens. Threads: `render`, `load`, `light`, and for each coordinator
+/// `link` and `send` (coordinator_connection.h); the renderer adds its own. A block whose stream ended is abandoned at
 /// once, because the coordinator has reassigned it. Scenes stay loaded throughout, and the coordinators share them.
 /// Thread-safe.
 class FarmNode {
  public:
-  /// Starts to connect. Errors: kInvalidArgument if an address is malformed or there are none; with `tls`, also as
-  /// check(TlsFiles).
-  /// Without `light` it computes no light ahead.
+  /// Starts to connect. Without `light`, the node computes no light. Errors: kInvalidArgument if an address is
+  /// malformed or there are none; with `tls`, also those of check(TlsFiles).
   static Result<std::unique_ptr<FarmNode>> start(const FarmNodeOptions& options, SceneLoader loader,
                                                  LightStarter light = nullptr);
   ~FarmNode();
@@ -46,16 +45,16 @@ class FarmNode {
   FarmNode& operator=(const FarmNode&) = delete;
 
   /// Reports to the coordinators that the node is draining, renders the blocks that it has, and ends its streams.
-  /// Blocks that are unfinished after `limit` are given up. To be followed by stop().
+  /// Blocks that are unfinished after `limit` are abandoned. The caller must call stop() afterwards.
   void drain(Duration limit);
-  /// Ends the streams, gives up the current block and joins the threads. A scene that is being loaded is finished
-  /// first. Idempotent.
+  /// Ends the streams, abandons the current block and joins the threads. If a scene is being loaded, waits until it is.
+  /// Idempotent.
   void stop();
 
   /// Returns a few sentences on the current state for the operator.
   [[nodiscard]] std::string state() const;
   [[nodiscard]] bool is_loading() const { return controller_.loads().is_loading(); }
-  /// Returns false if a block is being rendered and no cell of it was begun since `since`. Used by the watchdog.
+  /// Returns false if a block is being rendered and none of its cells was begun since `since`. Used by the watchdog.
   [[nodiscard]] bool has_moved_since(TimePoint since) const { return controller_.renders().has_moved_since(since); }
 
  private:

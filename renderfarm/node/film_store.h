@@ -13,29 +13,30 @@
 namespace cyclorama::node {
 
 /// The sample sums of pictures at rest, one picture per session, tile by tile, so that a node need not render a sample
-/// twice. Forgotten films are rendered again, which costs time and changes no pixel. Thread-bound.
+/// twice. A forgotten film is rendered again, which costs time but changes no pixel. Thread-bound.
 class FilmStore {
  public:
   struct Kept {
     render::Film film{};
     int samples = 0;           ///< Requested samples per pixel.
-    RadianceImage prior = {};  ///< The picture with stored light that it began with; empty if there is none.
+    RadianceImage prior = {};  ///< Picture with stored light that the film began with; empty if there is none.
   };
-  /// Sessions are identified per link, because each coordinator numbers its own.
+  /// A session's identity. It contains the link, because each coordinator numbers its sessions independently.
   struct Session {
     LinkId link = 0;
     std::uint64_t session = 0;
     friend auto operator<=>(const Session&, const Session&) = default;
   };
-  /// Keeps twenty bytes per pixel, or 32 with stored light, at most `max_bytes` in all.
+  /// Keeps 20 bytes per pixel, or 32 with stored light, and at most `max_bytes` in all.
   explicit FilmStore(std::size_t max_bytes = std::size_t{1} << 30) : max_bytes_(max_bytes) {}
 
-  /// Takes the film out of the store; returns an empty one if there is none of that picture and tile. `picture` names
+  /// Takes the film out of the store; returns an empty film if this picture and tile have none. `picture` names
   /// everything that determines the samples: scene, view and quality settings.
   [[nodiscard]] Kept take(const Session& session, const std::string& picture, const PixelRect& tile);
-  /// Forgets the session's other pictures. If memory is short, it forgets other sessions, and finally this film.
+  /// Stores a film and forgets the session's other pictures. If memory is short, forgets other sessions, and finally
+  /// this film.
   void put(const Session& session, const std::string& picture, const PixelRect& tile, Kept kept);
-  /// Forgets a session that moves again or has ended.
+  /// Forgets a session whose picture moves again or that has ended.
   void forget(const Session& session);
   /// Forgets all sessions of a coordinator's stream that has ended.
   void forget_link(LinkId link);

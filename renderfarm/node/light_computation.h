@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A node's interface to the computation of a scene's light: production starts a process (light_process.h), tests
+/// A node's interface to the computation of a scene's light. Production code starts a process (light_process.h); tests
 /// script the outcome.
 #pragma once
 
@@ -37,7 +37,7 @@ using LightEvent = std::variant<BegunStage, TakenPiece>;
 class LightComputation {
  public:
   virtual ~LightComputation() = default;
-  /// Returns at once; from then on it takes no processor time.
+  /// Returns at once. The computation takes no processor time until resume().
   virtual void pause() = 0;
   virtual void resume() = 0;
   /// Orders a piece; without effect if the computation is at another stage.
@@ -48,8 +48,8 @@ class LightComputation {
   [[nodiscard]] virtual std::vector<LightEvent> events() = 0;
   /// Returns the completed share, in [0, 1].
   [[nodiscard]] virtual double done_share() = 0;
-  /// Returns nothing while the computation runs; then success, when the file is complete, or the reason of the failure
-  /// in one sentence.
+  /// Returns nothing while the computation runs. Returns success once the file is complete; on failure, an error of one
+  /// sentence.
   [[nodiscard]] virtual std::optional<Status> result() = 0;
 
  protected:

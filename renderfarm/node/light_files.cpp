@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 constexpr const char* kInScene = "light.store";  ///< Equals light::kLightFileName.
 constexpr std::size_t kMaxFiles = 64;
 
-/// Returns a file name for a path. If two paths have the same name, they replace each other's light; a scene refuses
-/// light that is not its own. Source: FNV-1a, http://www.isthe.com/chongo/tech/comp/fnv.
+/// Returns a file name for a path. Two paths with the same name replace each other's light, which is harmless: a scene
+/// rejects light that is not its own. Source: FNV-1a, http://www.isthe.com/chongo/tech/comp/fnv.
 std::string name_of(const std::string& path) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (const char byte : path) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
@@ -61,7 +61,7 @@ Result<fs::path> LightFiles::prepare(const std::string& path) const {
 }
 
 void LightFiles::remove_left_over(const fs::path& file) {
-  // They have the name of the file with six more characters.
+  // An incomplete file has the name of `file`, a dot, and six more characters.
   const std::string begin = file.filename().string() + ".";
   std::error_code error;
   std::vector<fs::path> left_over;

@@ -8,20 +8,21 @@
 
 namespace cyclorama::node {
 
-/// Determines where a node stores the light that it computes: in `light/` of its cache, one file per scene; without a
-/// cache, in the scene's own folder. Thread-safe.
+/// Determines where a node stores the light that it computes: in `light/` of its cache, one file per scene, or in the
+/// scene's own folder if the node has no cache. Thread-safe.
 class LightFiles {
  public:
   /// An empty folder means that the node has no cache.
   explicit LightFiles(std::filesystem::path cache) : cache_(std::move(cache)) {}
 
-  /// Returns where the light of the scene at `path` belongs, whether or not it is there; empty if there is no such place.
+  /// Returns the path for the light of the scene at `path`, whether or not the file exists; empty if there is no such
+  /// path.
   [[nodiscard]] std::filesystem::path file_of(const std::string& path) const;
   /// Prepares that place for a new file: creates the folder, and removes the oldest files beyond a limit, unfinished light included. Errors: one
   /// sentence on why nothing can be written there.
   Result<std::filesystem::path> prepare(const std::string& path) const;
-  /// Removes the incomplete files that killed computations left beside `file`. Precondition: its light is not being
-  /// computed.
+  /// Removes the incomplete files that killed computations left beside `file`. Precondition: the light of `file` is not
+  /// being computed.
   static void remove_left_over(const std::filesystem::path& file);
 
  private:

@@ -75,7 +75,7 @@ Result<std::unique_ptr<LightComputation>> LightProcess::start(const std::vector<
 LightProcess::~LightProcess() {
   const pid_t process = process_.exchange(0);
   if (process == 0) return;
-  // This also ends a stopped process. Its output file is renamed into place only when complete.
+  // SIGKILL also ends a stopped process. The output file is renamed into place only when it is complete.
   ::kill(process, SIGKILL);
   ::waitpid(process, nullptr, 0);
 }
@@ -110,7 +110,7 @@ double LightProcess::done_share() {
 std::optional<Status> LightProcess::result() {
   if (process_ == 0) return Error(ErrorCode::kSystem, error_);
   int status = 0;
-  // The process remains a zombie until process_ is 0, so a signal cannot reach another process with the same number.
+  // The process remains a zombie until process_ is 0, so a signal cannot reach another process that reuses its number.
   siginfo_t ended{};
   const auto id = static_cast<id_t>(process_.load());
   if (::waitid(P_PID, id, &ended, WEXITED | WNOHANG | WNOWAIT) != 0 || ended.si_pid == 0) return std::nullopt;

@@ -21,7 +21,7 @@ namespace cyclorama::node {
 /// It succeeded if it exits with 0. It is paused by SIGSTOP, so it needs no cooperation and stops within milliseconds.
 class LightProcess final : public LightComputation {
  public:
-  /// Starts `command`: the program's path and its arguments. Errors: kNotFound or kSystem.
+  /// Starts `command`, the program's path followed by its arguments. Errors: kNotFound or kSystem.
   static Result<std::unique_ptr<LightComputation>> start(const std::vector<std::string>& command);
   ~LightProcess() override;
 

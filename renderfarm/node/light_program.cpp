@@ -24,7 +24,7 @@
 namespace cyclorama::node {
 namespace {
 
-/// Approximate progress after reading the scene and after building its BVH. Computing the light takes the rest.
+/// Approximate progress after reading the scene, and after building its BVH; the rest is the computation of light.
 constexpr double kReadShare = 0.03;
 constexpr double kBuiltShare = 0.05;
 constexpr std::size_t kMaxErrorBytes = 1000;
@@ -37,7 +37,7 @@ Error write_error(const std::filesystem::path& file, const Error& reason) {
       fmt::format("writing '{}': its disk is full; free some of it, or give 'cache' another place", file.string()));
 }
 
-/// The lowest priority there is; the sandbox of a service may refuse some of it.
+/// Sets the lowest possible priority, as far as a service's sandbox permits it.
 void give_way_to_all() {
   constexpr int kAllSteps = 40;
   give_way(kAllSteps);
@@ -59,7 +59,7 @@ Status compute_light(const std::filesystem::path& scene, const std::filesystem::
                  *renderer, light_baking::BakeSettings{}, threads,
                  [&](double done) { progress(kBuiltShare + (1.0 - kBuiltShare) * done); }, nullptr, pieces));
   light::LightStore store = *baked.store;
-  store.settings += ", cyclorama " CYCLORAMA_VERSION;  // Thus part of the light's version.
+  store.settings += ", cyclorama " CYCLORAMA_VERSION;  // Makes the program's version a part of the light's version.
   const Status written = light::write_light_file(file, store);
   if (!written) return write_error(file, written.error());
   return Done{};
@@ -67,7 +67,8 @@ Status compute_light(const std::filesystem::path& scene, const std::filesystem::
 
 Status run_light_program(const std::filesystem::path& scene, const std::filesystem::path& file, int threads) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  // Without this, a limit on the file's size would end the process; now it is reported like a full disk.
+  // SIGXFSZ would end the process when it exceeds a limit on file size. If the signal is ignored, the write fails as on
+  // a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   give_way_to_all();
   std::mutex mutex;  // Pieces are reported by several threads.

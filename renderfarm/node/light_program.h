@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cyclorama-node as its own child: computes the light of one scene and ends (light_process.h).
+/// The mode in which cyclorama-node runs as its own child: it computes the light of one scene and exits
+/// (light_process.h).
 #pragma once
 
 #include <filesystem>
@@ -21,7 +22,8 @@ Status compute_light(const std::filesystem::path& scene, const std::filesystem::
 /// standard input and reports on standard output (LightProcess).
 Status run_light_program(const std::filesystem::path& scene, const std::filesystem::path& file, int threads);
 
-/// Starts this program anew with the options that node_main.cpp passes to run_light_program().
+/// Returns a function that starts this executable again with the options that node_main.cpp passes to
+/// run_light_program().
 [[nodiscard]] LightStarter light_process_starter(int threads);
 
 inline constexpr const char* kLightOfOption = "--compute-light-of";

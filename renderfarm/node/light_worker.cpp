@@ -215,7 +215,7 @@ void LightWorker::begin(const Wanted& wanted) {
     paused_ = false;
     done_share_ = 0.0;
     worked_seconds_ = 0.0;
-    if (started != nullptr && !is_quiet()) {  // A block came meanwhile.
+    if (started != nullptr && !is_quiet()) {  // A block has arrived meanwhile.
       started->pause();
       paused_ = true;
     }

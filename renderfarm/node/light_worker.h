@@ -29,8 +29,8 @@ namespace cyclorama::node {
 class LightWorker {
  public:
   struct Calls {
-    std::function<bool()> has_blocks;  ///< Returns true while blocks wait or are rendered; called from any thread.
-    /// Returns false if the scene at `path` was unloaded or replaced: its light is not computed to the end.
+    std::function<bool()> has_blocks;  ///< Returns true while the node has blocks; called from any thread.
+    /// Returns false if the scene at `path` was unloaded or replaced; the computation of its light is then aborted.
     std::function<bool(const std::string& path)> is_wanted;
     /// The computation for the scene at `path` has begun a stage or has further pieces. The message names no scene. Called by the thread of work().
     std::function<void(const std::string& path, const wire::LightPieces& pieces)> progressed;
@@ -40,12 +40,13 @@ class LightWorker {
   /// Idle time before a paused computation resumes, so that it does not start and stop between the frames of a visit.
   static constexpr Duration kQuiet = std::chrono::seconds(2);
 
-  /// Without a starter, nothing is computed. `clock` must outlive it.
+  /// Without a starter, nothing is computed. `clock` must outlive this object.
   LightWorker(LightStarter starter, LightFiles files, Calls calls, const Clock& clock);
 
   // Thread-safe:
 
-  /// Requests the light of a scene, unless it waits or is being computed. `name` is what the coordinator calls it.
+  /// Requests the light of a scene; does nothing if it was requested already. `name` is the coordinator's name for the
+  /// scene.
   void want(const std::string& path, const std::string& name);
   /// The light has come from elsewhere: it is not computed to the end.
   void forget(const std::string& path);
@@ -61,16 +62,16 @@ class LightWorker {
   void fetched(const std::string& path, const wire::LightStage& stage, std::uint32_t piece);
   /// To be called when a block arrives: pauses at once.
   void give_way();
-  /// Adds an entry for each scene whose light is being computed or waits for it.
+  /// Adds an entry for each scene whose light is requested and not yet computed.
   void report(wire::NodeStatus* status) const;
   /// Ends wait(). The current computation is ended when work() is next called, or by the destructor.
   void stop();
 
   // For the light thread only:
 
-  /// Waits until there is something to do, or for a moment while a computation works; false once stopped.
+  /// Waits until light is requested, then for kPeriod while a computation runs. Returns false once stopped.
   bool wait();
-  /// Starts, resumes or ends a computation as needed. Returns false if there is nothing to compute.
+  /// Starts, resumes or ends a computation as needed. Returns false if no light is requested.
   bool work();
 
  private:
@@ -96,7 +97,7 @@ class LightWorker {
   const LightFiles files_;
   const Calls calls_;
   const Clock& clock_;
-  std::filesystem::path file_;  ///< Light thread only: the file of the current computation.
+  std::filesystem::path file_;  ///< File of the current computation. Light thread only.
 
   mutable std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;

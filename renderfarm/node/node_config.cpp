@@ -19,7 +19,7 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "node";
 }
 
-/// Relative paths start from node.toml's folder.
+/// Reads the table `tls`. Relative paths start from the folder of node.toml.
 TlsFiles read_tls(ConfigTable tls, const std::filesystem::path& folder) {
   return {folder / tls.text("authority"), folder / tls.text("certificate"), folder / tls.text("key")};
 }

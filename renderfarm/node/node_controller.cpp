@@ -117,7 +117,7 @@ void NodeController::send_report(LinkId link, wire::NodeReport report) {
 
 void NodeController::light_computed(const std::string& path, const std::filesystem::path& file, const Status& status) {
   const std::shared_ptr<BlockRenderer> renderer = scenes_.at_path(path);
-  if (renderer == nullptr) return;  // It was unloaded meanwhile; the next load reads the file.
+  if (renderer == nullptr) return;  // The scene was unloaded meanwhile; its next load reads the file.
   const auto added = [&]() -> Result<VersionedLight> {
     TRY(status);
     TRY_ASSIGN(const MappedFile mapped, MappedFile::open(file));

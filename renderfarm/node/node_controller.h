@@ -15,29 +15,29 @@
 namespace cyclorama::node {
 
 /// A node without its threads and its network: executes the commands of coordinators and collects the replies. Every
-/// message of a coordinator passes take(), which validates it.
+/// message from a coordinator passes through take(), which validates it.
 ///
 ///   stream ──open()──► take() ──LoadScene──► loads ─┬──────────────► NodeLink ──► stream
 ///                        ├─light, pieces─► lights ─┘
 ///                        └────RenderBlock──► renders ──► NodeLink ──► stream
 ///
-/// Thread-safe, apart from the workers' work() and wait().
+/// Thread-safe, except the workers' work() and wait().
 class NodeController {
  public:
   /// `memory_limit_bytes` limits scenes and films together; a quarter of it, at most 1 GiB, is for films. 0: scenes are
-  /// not limited. `cache` as in SceneFetcher. Without `light`, the node computes no light.
+  /// not limited. See SceneFetcher for `cache`. Without `light`, the node computes no light.
   NodeController(SceneLoader loader, std::uint64_t memory_limit_bytes, scene_distribution::SceneCacheOptions cache = {},
                  LightStarter light = nullptr);
 
-  /// Begins a stream to a coordinator; it lasts until close(). `files` as in NodeLink.
+  /// Begins a stream to a coordinator; it lasts until close(). See NodeLink for `files`.
   std::shared_ptr<NodeLink> open(std::shared_ptr<grpc::Channel> files = nullptr);
-  /// Errors: kBadData if the coordinator is broken; the caller ends the stream.
+  /// Executes a command. Errors: kBadData if the coordinator violates the protocol; the caller then ends the stream.
   Status take(const std::shared_ptr<NodeLink>& link, const wire::NodeCommand& command);
-  /// Ends a stream: its blocks are given up, and the scenes stay loaded.
+  /// Ends a stream. Its blocks are abandoned; the scenes stay loaded.
   void close(NodeLink& link);
 
   [[nodiscard]] wire::NodeReport status() const;
-  /// Reports to the coordinators from now on that the node is draining; the blocks that it has are still rendered.
+  /// Makes status() report from now on that the node is draining. Blocks that the node has are still rendered.
   void drain();
 
   [[nodiscard]] SceneLoadWorker& loads() { return loads_; }

@@ -5,8 +5,8 @@
 
 namespace cyclorama::node {
 namespace {
-/// Large enough that rendering never waits for an encoder that keeps up, and small enough that a slow network suspends
-/// rendering.
+/// Maximum number of queued items: enough that rendering never waits for an encoder that keeps up, and few enough that
+/// a slow network suspends rendering.
 constexpr std::size_t kMaxOutgoing = 4;
 }  // namespace
 

@@ -26,7 +26,7 @@ class Channel;
 
 namespace cyclorama::node {
 
-/// Pixels to be encoded, and the depth of their cells of 4x4; empty unless the view requests it.
+/// Pixels to be encoded, and the depth of their cells of 4×4 pixels, which is empty unless the view requests it.
 struct RenderedTile {
   std::uint64_t block = 0;
   std::uint64_t view_number = 0;
@@ -40,10 +40,10 @@ struct RenderedBlock {
   std::uint64_t block = 0;
   render::RenderCost cost;
   std::string error{};
-  double waited_seconds = 0.0;  ///< Time spent waiting for rays of other blocks.
+  double waited_seconds = 0.0;  ///< Time that the block waited while others were rendered.
 };
 
-/// The outgoing queue to one coordinator. There is one per stream; the sender takes what the workers push.
+/// The outgoing queue to one coordinator, one per stream. The sender takes the items that the workers push.
 ///
 ///   open ──finish()──► finishing: queued items are still sent ──close()──► closed: all work for it stops
 ///     └────────────────────────────────close()────────────────────────────────┘
@@ -62,8 +62,8 @@ class NodeLink {
   void push(Outgoing item);
   /// Returns false while the queue is full: a slow encoder or network suspends rendering.
   [[nodiscard]] bool takes_tiles() const;
-  /// Waits for an item. Returns nothing at the deadline, when the link is closed, and when it finishes with an empty
-  /// queue.
+  /// Waits for an item. Returns nothing at the deadline, when the link is closed, and when it is finishing and its
+  /// queue is empty.
   std::optional<Outgoing> pop(TimePoint deadline);
 
   void finish();

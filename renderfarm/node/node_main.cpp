@@ -18,11 +18,11 @@ struct Arguments {
   FarmNodeOptions options{.threads = 0};
   double memory_gib = 0.0;
   bool is_check = false;
-  std::string light_of{};  ///< A scene: only its light is computed, into `light_file`.
+  std::string light_of{};  ///< A scene. If set, the program only computes its light, into `light_file`.
   std::string light_file{};
 };
 
-/// The keys of node.toml are the options' names; the command line overrides them.
+/// Returns the settings. The options are named like the keys of node.toml and override them.
 Result<FarmNodeOptions> options_from(const Arguments& arguments) {
   FarmNodeOptions said = arguments.options;
   said.memory_limit_bytes = bytes_of_gib(arguments.memory_gib);
@@ -46,7 +46,8 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
   }
   TRY_ASSIGN(const FarmNodeOptions options, options_from(arguments));
   if (arguments.is_check) return Done{};
-  // Without a cache, as in tests and benchmarks, nothing is written beside a scene that others may measure.
+  // Without a cache, as in tests and benchmarks, no light is written into the scene's folder, because others may
+  // measure that scene.
   const bool has_light = options.computes_light && !options.cache.folder.empty();
   const LightStarter light = has_light ? light_process_starter(options.threads) : nullptr;
   TRY_ASSIGN(const auto node, FarmNode::start(options, embree_scene_loader(options.threads), light));
@@ -99,7 +100,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(kMinMemoryGib, kMaxMemoryGib));
   app.add_option("--cache", options.cache.folder,
                  "Folder for scenes that coordinators distribute (default: none are accepted)");
-  // The node starts itself with these to compute light; they are not for people.
+  // The node starts itself with these options to compute light; they are not meant for users.
   CLI::Option* const light_of = app.add_option(kLightOfOption, arguments.light_of)->group("");
   app.add_option(kLightFileOption, arguments.light_file)->group("")->needs(light_of);
   app.add_flag("--check", arguments.is_check, "Check the settings and exit: 0 if they are valid");

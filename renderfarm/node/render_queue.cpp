@@ -8,11 +8,11 @@
 namespace cyclorama::node {
 namespace {
 
-/// The number of tiles of the largest picture, which a coordinator may send one by one after it lost a node.
+/// Number of tiles of the largest picture; a coordinator that lost a node may send the tiles one by one.
 constexpr std::size_t kMaxBlocksPerLink = 8192;
 constexpr double kPerSecond = 1e6;
 
-/// Returns the growth of virtual time per cpu-second; 1 if the coordinator states none.
+/// Returns the growth of virtual time per cpu-second, which is 1 if the coordinator states none.
 double rate_of(const wire::RenderBlock& block) {
   constexpr double kMaxRate = 1e9;
   const double rate = block.rank_per_cpu_second();

@@ -28,29 +28,30 @@ struct BlockOrder {
   std::atomic<bool> cancelled = false;        ///< Set by the queue; read by the threads that render.
 };
 
-/// Chooses the block that a node works at next:
+/// Chooses the block that a node renders next:
 ///
-///   1. a cancelled one, since only its end is left to send,
-///   2. one of the earliest class of work (common/wire/rank.h): moving pictures, those at rest, spare work,
-///   3. one of the account that has received the least,
-///   4. of an account's blocks the one of the lowest rank, and among equals the one that came first.
+///   1. a cancelled block, since only its end remains to be sent;
+///   2. a block of the most urgent class of work (common/wire/rank.h): moving pictures, pictures at rest, spare work;
+///   3. a block of the account that has received the least service;
+///   4. of an account's blocks, the one of the lowest rank; among equals, the one that arrived first.
 ///
-/// The service received by an account starts at the rank of its first block, which its coordinator chose by what the account
-/// got from the whole farm, and grows with the service that it really gets here (serve()), whatever its blocks were
-/// predicted to cost. So a block that costs a thousand times as much as expected delays nobody, and many sessions of one
-/// museum get no more than one.
+/// An account's received service starts at the rank of its first block, which its coordinator chose by the service that
+/// the account received from the whole farm. It grows with the service that the account receives from this node
+/// (serve()), not with the predicted costs of its blocks. Therefore a block that costs a thousand times as much as
+/// predicted delays nobody, and a museum with many sessions receives no more than a museum with one.
 ///
-/// Ranks of different coordinators are not comparable, since each counts from its own start. A coordinator that had no
-/// block here joins at the current rank, and its ranks continue from there for as long as it has blocks, as start-time
-/// fair queueing treats a new session (coordinator/accounts.h). The current block stays in the queue: queried between
-/// two pieces of work, the queue returns another block if one goes first by now. Pure; thread-bound.
+/// Ranks of different coordinators are not comparable, since each coordinator counts from its own start. A coordinator
+/// that had no block here joins at the current rank, and its ranks continue from there for as long as it has blocks, as
+/// start-time fair queueing treats a new session (coordinator/accounts.h). The current block stays in the queue.
+/// Between two pieces of work next() returns a different block if one precedes it by now. Pure; thread-bound.
 class RenderQueue {
  public:
   using TakesTiles = std::function<bool(LinkId)>;
 
-  /// Returns false if the link has a block of that number, or too many blocks: its coordinator is broken.
+  /// Queues a block. Returns false if the link already has a block of this number, or too many blocks; its coordinator
+  /// then violates the protocol.
   bool add(std::shared_ptr<BlockOrder> order);
-  /// Ignores unknown numbers, because the block's end may already be on its way.
+  /// Cancels a block. Ignores unknown numbers, because the block's end may already be on its way.
   void cancel(LinkId link, std::uint64_t block);
   /// Records thread time that the node spent on a block. Ignores unknown numbers.
   void serve(LinkId link, std::uint64_t block, double cpu_seconds);
@@ -59,26 +60,27 @@ class RenderQueue {
   /// Cancels and removes all blocks of the link.
   void drop(LinkId link);
 
-  /// Returns null if there is none. A block whose link fails `takes_tiles` waits, unless it was cancelled.
+  /// Returns the block to render next; null if there is none. A block whose link fails `takes_tiles` waits, unless it
+  /// was cancelled.
   [[nodiscard]] std::shared_ptr<const BlockOrder> next(const TakesTiles& takes_tiles) const;
-  /// Returns the thread time that next() may get before a block of another account goes first; infinite if there is no
-  /// other account. Ignores those whose links fail `takes_tiles`.
+  /// Returns the thread time that the block of next() may use before a block of another account precedes it; infinite
+  /// if there is no other account. Ignores blocks whose links fail `takes_tiles`.
   [[nodiscard]] double seconds_ahead(const TakesTiles& takes_tiles) const;
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
  private:
   using Name = std::pair<LinkId, std::uint64_t>;
-  /// Rank on this node's scale, in cpu-microseconds; order of arrival.
+  /// Rank on this node's scale, in cpu-microseconds, and order of arrival.
   using Turn = std::pair<double, std::uint64_t>;
   struct FlowName {
-    std::size_t work = 0;  ///< WorkClass.
+    std::size_t work = 0;  ///< A WorkClass.
     LinkId link = 0;
     std::uint64_t account = 0;
     friend auto operator<=>(const FlowName&, const FlowName&) = default;
   };
-  /// Blocks of one class of an account that are still wanted; never empty.
+  /// Blocks of one account in one class of work that are not cancelled; never empty.
   struct Flow {
-    double received = 0.0;  ///< Cpu-microseconds of virtual time, on this node's scale.
+    double received = 0.0;  ///< Received service in cpu-microseconds of virtual time, on this node's scale.
     std::map<Turn, std::shared_ptr<BlockOrder>> waiting{};
     [[nodiscard]] Turn turn() const;
   };
@@ -87,10 +89,10 @@ class RenderQueue {
     Turn turn;
     std::shared_ptr<BlockOrder> order;
   };
-  /// A class of work of a link.
+  /// One class of work of one link.
   struct Lane {
     std::size_t blocks = 0;
-    double shift = 0.0;  ///< Offset from the coordinator's ranks to this node's scale, while there are blocks.
+    double shift = 0.0;  ///< Offset from the coordinator's ranks to this node's scale, constant while there are blocks.
   };
   using Flows = std::map<FlowName, Flow>;
 
@@ -100,9 +102,9 @@ class RenderQueue {
 
   std::map<Name, Entry> entries_;
   Flows flows_;
-  std::map<std::uint64_t, std::shared_ptr<BlockOrder>> cancelled_;  ///< Keyed by arrival.
+  std::map<std::uint64_t, std::shared_ptr<BlockOrder>> cancelled_;  ///< Keyed by order of arrival.
   std::map<LinkId, std::array<Lane, kWorkClasses>> lanes_;
-  std::array<double, kWorkClasses> now_{};  ///< The latest position that was served, of each class.
+  std::array<double, kWorkClasses> now_{};  ///< Latest rank that was served in each class, on this node's scale.
   std::uint64_t arrivals_ = 0;
 };
 

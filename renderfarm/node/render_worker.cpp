@@ -9,13 +9,13 @@
 
 namespace cyclorama::node {
 namespace {
-/// Far more than a scene's name and a view need.
+/// Maximum size of an order, far more than the name of a scene and a view need.
 constexpr std::size_t kMaxOrderBytes = 4096;
 constexpr std::size_t kMaxEndedSessions = 4096;
-/// A piece takes at least this long, so that accounts which wait for each other do not change at every cell. A block that
-/// comes later and goes first does not wait for it.
+/// Minimum duration of a piece, so that accounts that wait for each other do not alternate at every cell. A block that
+/// arrives later and precedes the current one need not wait for it.
 constexpr double kMinPieceSeconds = 0.005;
-/// Maximum time without a report of progress.
+/// Maximum time between two reports of progress.
 constexpr double kMaxPieceSeconds = 0.05;
 }  // namespace
 
@@ -69,7 +69,7 @@ void RenderWorker::forget_session(const FilmStore::Session& session) {
   {
     const std::lock_guard lock(mutex_);
     if (ended_sessions_.size() < kMaxEndedSessions)
-      ended_sessions_.push_back(session);  // Beyond the limit, films are only dropped when memory is short.
+      ended_sessions_.push_back(session);  // Films of sessions beyond the limit are dropped when memory is short.
   }
   changed_.notify_all();
 }

@@ -23,9 +23,9 @@
 
 namespace cyclorama::node {
 
-/// Renders the blocks of all coordinators piece by piece, each piece from the block that goes first. Orders come from
-/// any thread; the work is done by the caller of wait() and work(), always the same thread. Keeps a reference to the
-/// scenes, which must outlive it.
+/// Renders the blocks of all coordinators piece by piece; RenderQueue chooses the block of each piece. Orders come from
+/// any thread. The caller of wait() and work(), always the same thread, renders. Keeps a reference to the scenes, which
+/// must outlive it.
 class RenderWorker {
  public:
   RenderWorker(SceneStore& scenes, std::size_t max_film_bytes) : scenes_(scenes), films_(max_film_bytes) {}
@@ -33,55 +33,57 @@ class RenderWorker {
   // Thread-safe:
 
   void open(std::shared_ptr<NodeLink> link);
-  /// Gives up all blocks of the link and forgets its sessions.
+  /// Abandons all blocks of the link and forgets its sessions.
   void drop(LinkId link);
-  /// Queues a block; if its scene is not loaded by now, the block ends with an error. Errors: kBadData if the
-  /// coordinator is broken: a number in use, too many blocks, or a huge message.
+  /// Queues a block. If its scene is not loaded when rendering begins, the block ends with an error. Errors: kBadData
+  /// if the coordinator violates the protocol: a number in use, too many blocks, or a huge message.
   Status take(LinkId link, const wire::RenderBlock& block);
-  /// Sends the block's end soon, even if it is waiting or half done.
+  /// Cancels a block: its end is sent soon, even if the block is waiting or half rendered.
   void cancel(LinkId link, std::uint64_t block);
   void forget_session(const FilmStore::Session& session);
-  /// To be called when a link may accept tiles again.
+  /// To be called when a link may be able to accept tiles again.
   void link_moved();
   [[nodiscard]] std::size_t waiting() const;
-  /// Returns true once no block has waited for `quiet`; false at the deadline.
+  /// Waits until no block has waited for the duration `quiet`. Returns false at the deadline.
   bool wait_until_idle(TimePoint deadline, Duration quiet);
-  /// Returns false if a block is being rendered and no cell of it was begun since `since`. Used by the watchdog.
+  /// Returns false if a block is being rendered and none of its cells was begun since `since`. Used by the watchdog.
   [[nodiscard]] bool has_moved_since(TimePoint since) const;
   /// Ends wait(), and the current piece within one cell.
   void stop();
 
   // For the render thread only:
 
-  /// Waits for work; false once stopped.
+  /// Waits for work. Returns false once stopped.
   bool wait();
-  /// Does one piece of work: at most a tile, or a block's end. It ends at the next cell when a block that goes first comes,
-  /// or when its account has received as much as another one that waits. Returns false if there is none.
+  /// Does one piece of work: at most a tile, or a block's end. The piece ends at the next cell when a block arrives
+  /// that precedes it, or when its account has received as much service as another account that waits. Returns false if
+  /// there is no block.
   bool work();
 
  private:
   [[nodiscard]] std::shared_ptr<const BlockOrder> next() const;
   void look_again();
-  /// Returns whether a link accepts tiles. Precondition: the mutex is held.
+  /// Returns a function that checks whether a link accepts tiles. Precondition: the mutex is held.
   [[nodiscard]] RenderQueue::TakesTiles takes_tiles() const;
-  /// Sets the end of the current piece: when a block of another account goes first. Precondition: the mutex is held.
+  /// Sets `ends_at_` to the time when a block of another account precedes the current one. Precondition: the mutex is
+  /// held.
   void limit_piece();
-  /// Returns the seconds rendered since the start, including the current piece.
+  /// Returns the seconds spent on rendering since the start, including the current piece.
   [[nodiscard]] double rendered_seconds() const;
   std::shared_ptr<const BlockOrder> begin_piece();
-  /// The piece took this thread time.
+  /// Records the end of a piece and its thread time.
   void end_piece(double cpu_seconds);
-  /// Returns the thread time that it took.
+  /// Does the next piece of a block. Returns its thread time.
   double advance(const std::shared_ptr<const BlockOrder>& order);
-  /// The same for a block that is still wanted. May throw std::bad_alloc.
+  /// Renders a piece of a block that is not cancelled. Returns its thread time. May throw std::bad_alloc.
   double render_piece(const std::shared_ptr<const BlockOrder>& order);
   void end_block(const BlockOrder& order, std::string error);
   void send(LinkId link, NodeLink::Outgoing item);
 
   SceneStore& scenes_;
   FilmStore films_;                               ///< Render thread only.
-  std::map<const BlockOrder*, BlockWork> begun_;  ///< Render thread only. Their orders are in the queue.
-  std::atomic<bool> preempted_ = false;           ///< Another block than the current one goes first.
+  std::map<const BlockOrder*, BlockWork> begun_;  ///< Render thread only. The orders are in `queue_`.
+  std::atomic<bool> preempted_ = false;           ///< True if another block precedes the current one.
   std::atomic<Duration::rep> ends_at_{0};         ///< End of the current piece, as the count of a TimePoint.
   std::atomic<bool> rendering_ = false;
   std::atomic<Duration::rep> moved_at_{0};  ///< Time of the last begun cell, as the count of a TimePoint.

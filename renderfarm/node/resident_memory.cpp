@@ -8,7 +8,7 @@
 namespace cyclorama::node {
 
 std::uint64_t resident_memory_bytes() {
-  std::ifstream statm("/proc/self/statm");  // In pages: size, resident, ... (proc(5)).
+  std::ifstream statm("/proc/self/statm");  // Unit: pages. Fields: size, resident, ... (proc(5)).
   std::uint64_t size = 0;
   std::uint64_t resident = 0;
   if (!(statm >> size >> resident)) return 0;

@@ -10,9 +10,9 @@
 
 namespace cyclorama::node {
 
-/// Calls `fetch` until it succeeds, or fails for a reason that does not pass by itself, with growing delays between the
-/// calls. `report` gets each error after which it is called again. `cancelled` is called often, from this thread.
-/// Errors: those of `fetch`; kUnavailable if cancelled meanwhile. Blocks.
+/// Calls `fetch`, with growing delays, until it succeeds or fails for a reason that does not pass by itself. `report`
+/// receives each error that leads to another call. `cancelled` is called often, from this thread. Errors: those of
+/// `fetch`; kUnavailable if cancelled. Blocks.
 template <typename Fetch>
 auto retried(const Fetch& fetch, const std::function<void(const Error&)>& report,
              const std::function<bool()>& cancelled) -> decltype(fetch()) {

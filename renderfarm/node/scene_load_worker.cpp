@@ -17,7 +17,7 @@
 namespace cyclorama::node {
 namespace {
 constexpr std::size_t kMaxWaiting = 4096;
-/// Enough for names, paths, and the names of all scenes of a large farm.
+/// Maximum size of an order: enough for names, paths, and the names of all scenes of a large farm.
 constexpr std::size_t kMaxOrderBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxErrorBytes = 1000;
 constexpr std::uint64_t kMaxPieceBytes = std::uint64_t{1} << 30;
@@ -77,7 +77,7 @@ bool SceneLoadWorker::work() {
   if (next.order.has_use_piece()) use_piece(*next.link, next.order.use_piece());
   if (next.order.has_send_piece()) send_piece(*next.link, next.order.send_piece());
   loading_ = false;
-  // If the link closed during the load, its names must be forgotten here.
+  // If the link was closed during the load, load() may have recorded its names afterwards, so they are forgotten again.
   if (next.link->is_closed()) scenes_.forget_link(next.link->id());
   if (report.has_scene_loaded()) send_report_(next.link->id(), std::move(report));
   return true;
@@ -137,7 +137,7 @@ Result<VersionedLight> SceneLoadWorker::light_of(const NodeLink& link, const wir
                      [&](const Error& error) { set_state("fetching light: " + error.message() + "; trying again"); },
                      cancelled));
   TRY_ASSIGN(VersionedLight light, renderer.add_light(file, "light of scene '" + printable(order.scene()) + "'"));
-  // Without the copy, the light is fetched again after the node's next start.
+  // Without a copy, the light is fetched again after the node's next start.
   if (const auto copy = lights_.prepare(scenes_.path_of(link.id(), order.scene()))) {
     if (const Status written = write_file_atomically(*copy, file); !written) set_state(written.error().message());
   }
@@ -146,7 +146,7 @@ Result<VersionedLight> SceneLoadWorker::light_of(const NodeLink& link, const wir
 
 void SceneLoadWorker::use_light(const NodeLink& link, const wire::UseLight& order) {
   const std::shared_ptr<BlockRenderer> renderer = scenes_.find(link.id(), order.scene());
-  if (renderer == nullptr) return;  // It was dropped; the coordinator has the report.
+  if (renderer == nullptr) return;  // The scene was dropped, which was reported to the coordinator.
   set_state(fmt::format("fetching the light of scene '{}'", printable(order.scene())));
   const Result<VersionedLight> light = light_of(link, order, *renderer);
   if (light) computing_.forget(scenes_.path_of(link.id(), order.scene()));
@@ -163,7 +163,7 @@ void SceneLoadWorker::send_light(const NodeLink& link, const wire::SendLight& or
   const std::shared_ptr<BlockRenderer> renderer = scenes_.find(link.id(), order.scene());
   if (renderer == nullptr || renderer->light_versions() == nullptr || link.files() == nullptr) return;
   const auto light = renderer->light_versions()->find(order.light().version());
-  if (!light) return;  // A newer version replaced it; the coordinator has the report.
+  if (!light) return;  // A newer version replaced this one, which was reported to the coordinator.
   const std::function<bool()> cancelled = [&] { return link.is_closed() || is_stopping(); };
   const Status sent =
       CoordinatorFiles(link.files(), cancelled).store_light(light->version, light::light_file_bytes(*light->store));

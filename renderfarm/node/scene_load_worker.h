@@ -41,14 +41,14 @@ class SceneLoadWorker {
   [[nodiscard]] bool is_loading() const { return loading_; }
   /// Returns a sentence on the scene that is being loaded or was loaded last; empty before the first.
   [[nodiscard]] std::string state() const;
-  /// Ends wait(), and aborts fetching. Loading cannot be aborted.
+  /// Ends wait(), and aborts fetching. A load cannot be aborted.
   void stop();
 
   // For the load thread only:
 
-  /// Waits for work; false once stopped.
+  /// Waits for an order. Returns false once stopped.
   bool wait();
-  /// Executes one order and replies. Returns false if none waits.
+  /// Executes one order and replies. Returns false if no order waits.
   bool work();
 
  private:
@@ -56,11 +56,12 @@ class SceneLoadWorker {
     std::shared_ptr<NodeLink> link;
     wire::NodeCommand order;
   };
-  /// Locates the scene, and fetches it if the coordinator distributes it and it is not in memory.
+  /// Finds the scene. Fetches it if the coordinator distributes it and it is not in memory.
   Result<scene_distribution::SceneCache::Held> find(const NodeLink& link, const wire::LoadScene& order);
   [[nodiscard]] bool is_stopping() const;
   wire::SceneLoaded load(const NodeLink& link, const wire::LoadScene& order);
-  /// Fetches the light, unless it is here, and adds it to the scene. A copy goes to the node's cache, for its next start.
+  /// Fetches the light unless the node has it, and adds it to the scene. Writes a copy to the node's cache, for its
+  /// next start.
   Result<VersionedLight> light_of(const NodeLink& link, const wire::UseLight& order, BlockRenderer& renderer);
   void use_light(const NodeLink& link, const wire::UseLight& order);
   void send_light(const NodeLink& link, const wire::SendLight& order);

@@ -34,7 +34,8 @@ Result<std::string> front_of(const std::filesystem::path& scene) {
   return text;
 }
 
-/// Estimates the minimum memory of the scene: geometry usually takes no less in memory, and textures take more.
+/// Returns a lower bound for the scene's memory: geometry usually takes at least its size on disk, and textures take
+/// more.
 std::uint64_t bytes_on_disk(const std::filesystem::path& scene) {
   std::error_code none;
   if (!std::filesystem::is_directory(scene, none)) {
@@ -59,7 +60,7 @@ double gibibytes(std::uint64_t bytes) { return static_cast<double>(bytes) / stat
 wire::SceneLoaded failed(const wire::LoadScene& order, const std::string& why) {
   wire::SceneLoaded answer;
   answer.set_scene(order.scene());
-  answer.set_error(printable(why, kMaxErrorBytes));  // The message may quote a file's bytes.
+  answer.set_error(printable(why, kMaxErrorBytes));  // The reason may quote bytes of a file.
   return answer;
 }
 
@@ -233,7 +234,7 @@ Status SceneStore::read_kept_light(const std::string& path, BlockRenderer& rende
 
 bool SceneStore::make_room(std::uint64_t needed, Leaving* ret_leaving) {
   if (max_bytes_ == 0) return true;
-  if (bytes_in_use() + needed > max_bytes_) return false;  // Unloading could not free enough.
+  if (bytes_in_use() + needed > max_bytes_) return false;  // Unloading cannot free enough memory.
   while (bytes() + needed > max_bytes_) {
     auto oldest = scenes_.end();
     for (auto scene = scenes_.begin(); scene != scenes_.end(); ++scene) {
@@ -256,7 +257,7 @@ void SceneStore::drop(Scenes::iterator scene, Leaving* ret_leaving) {
 }
 
 bool SceneStore::may_leave(const Scenes::value_type& scene) const {
-  if (scene.second.renderer.use_count() > 1) return false;  // Blocks wait for the scene.
+  if (scene.second.renderer.use_count() > 1) return false;  // Blocks that wait for the scene hold a pointer to it.
   return std::ranges::none_of(paths_, [&](const auto& entry) {
     const auto used = in_use_.find(entry.first.link);
     return entry.second == scene.first && used != in_use_.end() && used->second.contains(entry.first.scene);

@@ -18,10 +18,10 @@
 
 namespace cyclorama::node {
 
-/// The scenes in a node's memory, each loaded once, whichever coordinators know it and under whatever names. They stay
-/// when a coordinator disconnects, so that it need not wait when it returns. If memory is short, the least recently
-/// used scene is unloaded, unless a coordinator reported it as in use or blocks wait for it.
-/// Thread-safe; one load() at a time, which blocks no other call.
+/// The scenes in a node's memory. Each is loaded once, even if several coordinators use it or it has several names.
+/// Scenes stay when a coordinator disconnects, so that it need not wait when it returns. If memory is short, the least
+/// recently used scene is unloaded, unless a coordinator reported it as in use or blocks wait for it. Thread-safe; only
+/// one load() may run at a time, which blocks no other call.
 class SceneStore {
  public:
   /// A coordinator's name for a scene.
@@ -32,15 +32,15 @@ class SceneStore {
   };
 
   /// `max_bytes` limits the scenes together; 0: no limit. The size of a scene is unknown while it is being loaded, so
-  /// the limit may be exceeded meanwhile.
-  /// `light` is where light lies that this node computed or fetched; `computes_light`: whether it can compute any.
+  /// the limit may be exceeded meanwhile. `light` locates the light that this node computed or fetched;
+  /// `computes_light` states whether the node can compute light.
   explicit SceneStore(SceneLoader loader, std::uint64_t max_bytes = 0, LightFiles light = LightFiles(""),
                       bool computes_light = false)
       : loader_(std::move(loader)), max_bytes_(max_bytes), light_(std::move(light)), computes_light_(computes_light) {}
 
   /// Loads the scene at `path` under the name order.scene(), unless it is loaded already, and returns the reply to the
   /// coordinator. Any failure, including lack of memory, becomes a reply with `error`; a repeated order tries again.
-  /// `ret_left` receives the names of unloaded scenes, to be reported to their coordinators, too.
+  /// `ret_left` receives the names of unloaded scenes, which must be reported to their coordinators, too.
   wire::SceneLoaded load(LinkId link, const wire::LoadScene& order, const std::string& path,
                          const std::function<void(double)>& progress, std::vector<Name>* ret_left);
   /// Returns true if the scene at `path` is loaded.
@@ -55,7 +55,7 @@ class SceneStore {
   /// coordinator that has the scene.
   [[nodiscard]] std::vector<std::pair<LinkId, wire::SceneLight>> light_reports(const std::string& path,
                                                                                const Result<VersionedLight>& light);
-  /// Returns null if the scene is not loaded. The scene stays in memory while anyone holds the pointer.
+  /// Returns null if the scene is not loaded. The scene stays in memory while the pointer is held.
   [[nodiscard]] std::shared_ptr<BlockRenderer> find(LinkId link, const std::string& scene);
   /// Forgets the names of a coordinator that has disconnected; the scenes stay.
   void forget_link(LinkId link);
@@ -77,7 +77,7 @@ class SceneStore {
                                                       const std::function<void(double)>& progress);
   Result<Loaded> loaded_from(const std::string& name, const std::string& path,
                              const std::function<void(double)>& progress);
-  /// Reads the light that this node computed or fetched earlier, if it did. Errors: as BlockRenderer::add_light().
+  /// Reads the light that this node computed or fetched earlier, if any. Errors: those of BlockRenderer::add_light().
   Status read_kept_light(const std::string& path, BlockRenderer& renderer) const;
   [[nodiscard]] static wire::SceneLoaded answer_for(const Loaded& loaded, const std::string& name);
   // With mutex_ held:

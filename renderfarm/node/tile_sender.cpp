@@ -27,8 +27,8 @@ wire::NodeReport TileSender::encoded(const RenderedTile& tile) {
   if (const auto jpeg = encoder_.encode(tile.pixels, tile.options)) {
     message->mutable_tile()->set_jpeg(jpeg->data(), jpeg->size());
   } else {
-    encoding.error =
-        jpeg.error().message();  // The coordinator refuses an empty tile; the block's end reports the reason.
+    // The coordinator refuses the tile, since it is empty; the block's end reports the reason.
+    encoding.error = jpeg.error().message();
   }
   if (!tile.depth.empty()) message->mutable_tile()->set_depth(encode_inverse_depth(tile.depth));
   encoding.cpu_seconds += thread_cpu_seconds() - begun;

@@ -12,10 +12,11 @@
 namespace cyclorama::node {
 
 /// Encodes rendered tiles into reports and adds up the cost of encoding. Bound to the send thread, which encodes one
-/// tile while the render thread makes the next.
+/// tile while the render thread renders the next.
 class TileSender {
  public:
-  /// Must be called in the order of the link's queue: a block's tiles, then its end.
+  /// Returns the report for an item. Items must come in the order of the link's queue: the tiles of a block, then its
+  /// end.
   wire::NodeReport report_of(NodeLink::Outgoing item);
 
  private:
@@ -28,7 +29,7 @@ class TileSender {
   };
 
   JpegEncoder encoder_;
-  std::map<std::uint64_t, Encoding> blocks_;  ///< Blocks whose end is pending; tiles of several may interleave.
+  std::map<std::uint64_t, Encoding> blocks_;  ///< Blocks whose end has not come yet; their tiles may alternate.
 };
 
 }  // namespace cyclorama::node

@@ -12,7 +12,7 @@
 namespace cyclorama::quality {
 namespace {
 
-/// Double, because a variance is a small difference of large means of squares.
+/// Uses double, because a variance is a small difference between large means of squares.
 using Plane = Image<double, 1>;
 
 Plane luma_of(const RgbImage& picture) {

@@ -7,14 +7,14 @@
 
 namespace cyclorama::quality {
 
-/// Errors: kInvalidArgument, with both sizes, unless they are equal and not empty.
+/// Checks that both sizes are equal and not empty. Errors: kInvalidArgument, with both sizes.
 Status check_same_size(int width, int height, int reference_width, int reference_height);
 
-/// Errors: kBadData, naming the pixel, if a value is NaN or infinite. An average that omits it would hide a broken
-/// kernel, and one that includes it would be meaningless for the other pixels.
+/// Checks that no value is NaN or infinite. An average that omits such a value would hide a broken kernel, and one that
+/// includes it would be meaningless. Errors: kBadData, naming the pixel.
 Status check_finite(const RadianceImage& picture);
 
-/// Checks the sizes, then both pictures.
+/// Checks that both pictures have the same size and finite values.
 Status check_comparable(const RadianceImage& picture, const RadianceImage& reference);
 
 }  // namespace cyclorama::quality

@@ -10,7 +10,8 @@
 namespace cyclorama::quality {
 namespace {
 
-/// The two pixels of a row or column between which a pixel of the larger picture lies, and its fraction from the first.
+/// The two pixels of a row or column between which a pixel of the larger picture is, and its fractional distance from
+/// the first.
 struct Between {
   int first = 0;
   int second = 0;

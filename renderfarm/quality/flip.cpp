@@ -18,17 +18,17 @@ namespace {
 
 using Eigen::Vector3f;
 using Plane = Image<float, 1>;
-/// Three values per pixel, each in a plane of its own.
+/// Three values per pixel, each in a separate plane.
 using Planes = std::array<Plane, 3>;
 
-// Constants of the paper, with their names there.
+// Constants with their names in the paper.
 constexpr float kColourExponent = 0.7f;     // q_c
 constexpr float kColourKnee = 0.4f;         // p_c
 constexpr float kErrorAtKnee = 0.95f;       // p_t
 constexpr float kFeatureExponent = 0.5f;    // q_f
 constexpr double kFeatureWidthDeg = 0.082;  // w
 
-/// Contrast sensitivity as one or two spatial Gaussians: a · √(π / b) · exp(-π² x² / b), x in degrees.
+/// One of the Gaussians whose sum is the spatial contrast sensitivity: a · √(π / b) · exp(-π² x² / b), x in degrees.
 struct Lobe {
   double a;
   double b;
@@ -40,8 +40,8 @@ constexpr std::array<std::array<Lobe, 2>, 3> kSensitivity = {{
 }};
 constexpr double kMaxLobeWidthDeg = 0.04;
 
-/// Linear sRGB to XYZ with the coefficients of the authors' own programs; XYZ is divided by its white (D65), so each
-/// row sums to 1.
+/// Conversion between linear sRGB and XYZ, with the coefficients of the authors' programs. XYZ is divided by the white
+/// point (D65), so each row adds up to 1.
 struct ColourSpace {
   Eigen::Matrix3f xyz_of_rgb;
   Eigen::Matrix3f rgb_of_xyz;
@@ -56,7 +56,7 @@ struct ColourSpace {
   }
 };
 
-/// Returns YCxCz: CIELAB without its cube roots, in which light may be filtered.
+/// Returns YCxCz, which is CIELAB without the cube roots, so that it is linear and may be filtered.
 Vector3f opponent_of_xyz(const Vector3f& xyz) {
   return {116.0f * xyz.y() - 16.0f, 500.0f * (xyz.x() - xyz.y()), 200.0f * (xyz.y() - xyz.z())};
 }
@@ -103,7 +103,7 @@ Planes opponent_of(const RgbImage& picture, const ColourSpace& space) {
   return planes;
 }
 
-/// Filters a plane to what the eye resolves (section 4.1.1).
+/// Filters a plane by the resolution of the eye (section 4.1.1).
 Plane seen(const Plane& plane, const std::array<Lobe, 2>& lobes, double pixels_per_degree) {
   const auto sigma_px = [&](double b) { return std::sqrt(b / 2.0) / std::numbers::pi * pixels_per_degree; };
   const int radius = static_cast<int>(std::ceil(3.0 * sigma_px(kMaxLobeWidthDeg)));
@@ -136,7 +136,7 @@ Planes perceived(const Planes& opponent, const ColourSpace& space, double pixels
   return planes;
 }
 
-/// Scales positive weights to a sum of 1 and negative ones to a sum of -1.
+/// Scales the positive weights to a sum of 1 and the negative weights to a sum of -1.
 Kernel balanced(Kernel kernel) {
   double positive = 0.0;
   double negative = 0.0;
@@ -145,7 +145,7 @@ Kernel balanced(Kernel kernel) {
   return kernel;
 }
 
-/// Strength of edges and of points at each pixel (section 4.2).
+/// Strength of edges and of points at each pixel (section 4.2):
 struct Features {
   Plane edge;
   Plane point;
@@ -178,8 +178,8 @@ Plane achromatic_of(const Planes& opponent) {
   return plane;
 }
 
-/// Maps an error to [0, 1], most of it for differences below the knee (section 4.1.3). `most` is the maximum of any two
-/// colours.
+/// Maps an error to [0, 1]; most of that range is for errors below the knee (section 4.1.3). `max` is the maximum error
+/// of any two colours.
 float redistributed(float power, float max) {
   const float knee = kColourKnee * max;
   if (power < knee) return kErrorAtKnee / knee * power;

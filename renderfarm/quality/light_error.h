@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Errors of linear light against a reference, which measure sampling noise and bias. Reentrant. Errors of all
-/// functions: those of check_comparable().
+/// Errors of linear light against a reference; they measure sampling noise and bias. Reentrant. All functions have the
+/// errors of check_comparable().
 #pragma once
 
 #include "common/base/result.h"
@@ -8,8 +8,8 @@
 
 namespace cyclorama::quality {
 
-/// Floor of the denominator, which keeps dark pixels from dominating; the value that published comparisons of renderers
-/// use.
+/// Floor of the denominator, which prevents dark pixels from dominating. Published comparisons of renderers use this
+/// value.
 inline constexpr double kRelativeErrorFloor = 0.01;
 
 /// Returns the mean over pixels and channels of (p - r)².

@@ -13,7 +13,7 @@ int radius_of(const Kernel& kernel) {
   return static_cast<int>(kernel.size() / 2);
 }
 
-/// Computes to[i] += weight * from[i]. Dominates the run time; compilers vectorise it.
+/// Computes to[i] += weight * from[i]. Takes most of the time; compilers vectorise it.
 template <typename T>
 void add_scaled(T* __restrict__ to, const T* __restrict__ from, T weight, int count) {
   for (int i = 0; i < count; ++i) to[i] += weight * from[i];

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Separable filters, with a kernel that is the product of a column and a row: the cost is linear in the radius.
-/// Reentrant.
+/// Filters whose kernel is the product of a column and a row, so that the cost is linear in the radius. Reentrant.
 #pragma once
 
 #include <vector>
@@ -9,7 +8,7 @@
 
 namespace cyclorama::quality {
 
-/// An odd number of weights; the middle one applies to the pixel itself.
+/// An odd number of weights. The middle weight applies to the pixel itself.
 using Kernel = std::vector<double>;
 
 /// Returns exp(-x² / (2σ²)) for x in [-radius, radius]. Preconditions: `radius` >= 0, `sigma_px` > 0.
@@ -19,8 +18,8 @@ using Kernel = std::vector<double>;
 /// Scales the kernel to a sum of 1. Precondition: its sum is not 0.
 [[nodiscard]] Kernel normalized(Kernel kernel);
 
-/// Returns the weighted sum of each pixel's neighbourhood (a correlation: the first weights apply to the left and the
-/// upper pixels). Beyond the border, the outermost pixels are repeated.
+/// Return the weighted sum of each pixel's neighbourhood. This is a correlation: the first weights apply to the pixels
+/// on the left or above. Beyond the border, the outermost pixels are repeated.
 template <typename T>
 [[nodiscard]] Image<T, 1> filtered_along_rows(const Image<T, 1>& plane, const Kernel& kernel);
 template <typename T>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Errors of a displayed picture against the displayed reference. Reentrant.
+/// Errors of a picture, as displayed, against a reference. Reentrant.
 #pragma once
 
 #include "common/base/result.h"
@@ -10,10 +10,10 @@ namespace cyclorama::quality {
 struct ShownError {
   double psnr_db = 0.0;  ///< Infinite for equal pictures.
   double ssim = 0.0;
-  double flip = 0.0;  ///< Mean over the picture.
+  double flip = 0.0;  ///< Mean FLIP over the picture.
 };
 
-/// Computes psnr(), ssim() and flip() together; errors are theirs.
+/// Computes psnr(), ssim() and flip(). Errors: those of these functions.
 Result<ShownError> shown_error(const RgbImage& picture, const RgbImage& reference);
 
 }  // namespace cyclorama::quality

@@ -6,7 +6,7 @@
 namespace cyclorama::quality {
 namespace {
 
-/// Added to the square of the reference, so that black pixels do not decide.
+/// Added to the square of the reference, so that dark pixels do not dominate.
 constexpr double kDim = 0.01;
 
 /// Returns the mean of term(i, reference) / (reference^2 + kDim) over all values.

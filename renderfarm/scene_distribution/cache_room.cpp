@@ -39,7 +39,7 @@ std::vector<Entry> entries_of(const fs::path& folder) {
   return entries;
 }
 
-/// Returns the digest in the name of a file or of its part; empty for other names.
+/// Returns the digest in the name of a complete or partial file; empty for other names.
 std::string sha256_in(const fs::path& path) {
   const std::string stem = path.stem().string();
   const std::string extension = path.extension().string();
@@ -69,7 +69,7 @@ class Room {
     return Done{};
   }
 
-  /// Returns false if no scene may be dropped.
+  /// Drops the least recently requested scene that may be dropped. Returns false if there is none.
   bool drop_oldest_scene() {
     for (const Entry& entry : entries_of(cache_ / "scenes")) {
       if (!is_sha256(entry.path.filename().string()) || entry.path.filename() == needs_.digest) continue;

@@ -10,19 +10,19 @@
 
 namespace cyclorama::scene_distribution {
 
-/// Contents of a scene cache that must stay while room is made.
+/// The contents of a scene cache that must be kept while room is made.
 struct CacheNeeds {
-  std::set<std::string> sha256{};  ///< Files of the requested scene, and their parts.
-  std::string digest{};            ///< The requested scene's folder.
-  std::uint64_t bytes = 0;         ///< Still to be fetched.
+  std::set<std::string> sha256{};  ///< Digests of the files of the requested scene, complete or partial.
+  std::string digest{};            ///< Digest of the requested scene, which names its folder.
+  std::uint64_t bytes = 0;         ///< Number of bytes still to be fetched.
 };
 
-/// Drops content until `needs` fits: files that belong to no scene, oldest first; then scenes that nobody holds, least
-/// recently requested first. `limit_bytes` limits all files; 0 leaves only the disk's limit. The caller holds the
-/// cache's lock. Errors: kSystem, with a remedy, if it cannot fit.
+/// Drops content until `needs` fits: first files that belong to no scene, oldest first; then scenes that nobody holds,
+/// least recently requested first. `limit_bytes` limits all files; 0: only the disk limits them. The caller must hold
+/// the cache's lock. Errors: kSystem, with a remedy, if `needs` cannot fit.
 Status make_room(const std::filesystem::path& cache, std::uint64_t limit_bytes, const CacheNeeds& needs);
 
-/// Renames the folder before removing its content, so that no scene is ever incomplete.
+/// Removes a scene's folder. Renames it before removing its content, so that no scene is ever incomplete.
 void drop_folder(const std::filesystem::path& folder);
 
 }  // namespace cyclorama::scene_distribution

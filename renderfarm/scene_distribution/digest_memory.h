@@ -11,16 +11,18 @@
 
 namespace cyclorama::scene_distribution {
 
-/// Digests of files read earlier, so that a restarted coordinator need not read all scenes again. A file counts as
-/// unchanged while its stamp is; a file changed just before it was read is not remembered. Thread-bound.
+/// Digests of files that were read earlier, so that a restarted coordinator need not read all scenes again. A file
+/// counts as unchanged while its stamp is unchanged. A file that changed just before it was read is not recorded.
+/// Thread-bound.
 class DigestMemory {
  public:
-  /// An empty path keeps nothing across restarts. Unreadable content is discarded.
+  /// Reads the digests kept in `file`. With an empty path, nothing is kept across restarts. Unreadable content is
+  /// discarded.
   explicit DigestMemory(std::filesystem::path file);
 
   [[nodiscard]] std::optional<std::string> find(const std::filesystem::path& path, const FileStamp& stamp) const;
   void keep(const std::filesystem::path& path, const HashedFile& hashed);
-  /// Writes the file, completely or not at all, if there is something new.
+  /// Writes the file, completely or not at all, if there are new digests.
   Status save();
 
  private:

@@ -30,7 +30,7 @@ Result<FileStamp> stamp_of(int fd, const std::filesystem::path& path) {
 }  // namespace
 
 Result<StampedFile> open_stamped(const std::filesystem::path& path) {
-  // O_NONBLOCK prevents a named pipe in place of a file from blocking; it has no effect on regular files.
+  // O_NONBLOCK: a named pipe in place of the file must not block. It has no effect on regular files.
   UniqueFd fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!fd.is_open()) return Error::from_errno(fmt::format("opening '{}'", path.string()));
   TRY_ASSIGN(const FileStamp stamp, stamp_of(fd.get(), path));

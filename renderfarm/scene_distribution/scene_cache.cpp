@@ -33,7 +33,7 @@ Status make_folder(const fs::path& folder) {
                                                folder.string(), error.message()));
 }
 
-/// Makes names in a folder durable.
+/// Makes the names in a folder durable.
 Status sync_folder(const fs::path& folder) {
   const UniqueFd fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!fd.is_open() || ::fsync(fd.get()) != 0) {
@@ -55,7 +55,7 @@ Status write_at(int fd, std::uint64_t offset, std::span<const std::byte> bytes) 
 
 }  // namespace
 
-/// Progress of one scene, in bytes to be checked and fetched.
+/// Progress of one scene, in bytes that are checked or fetched.
 struct SceneCache::Count {
   const CacheProgress& progress;
   std::uint64_t all;
@@ -100,7 +100,7 @@ Result<UniqueFd> SceneCache::lock(const CacheProgress& progress) const {
 
 void SceneCache::sweep() const {
   const auto held = lock([](const char*, double) { return false; });
-  if (!held) return;  // Leftovers may belong to another node that is at work.
+  if (!held) return;  // Leftovers may belong to another node that is filling the cache.
   std::vector<fs::path> left_over;
   std::error_code error;
   for (fs::directory_iterator at(options_.folder / "scenes", error), end; !error && at != end; at.increment(error)) {
@@ -144,7 +144,7 @@ Result<SceneCache::Held> SceneCache::bring(const SceneFiles& files, FileSource& 
   if (!is_linked(files, scene.path)) TRY(link_scene(files, scene.path));
   for (const auto& sha256 : needs.sha256) {
     TRY_ASSIGN(const StampedFile linked, open_stamped(file(sha256)));
-    verified_[sha256] = linked.stamp;  // A new link to a file changes its stamp.
+    verified_[sha256] = linked.stamp;  // Adding a link to a file changes the file's stamp.
   }
   scene.hold = UniqueFd(::open(scene.path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!scene.hold.is_open() || ::flock(scene.hold.get(), LOCK_SH) != 0 || ::futimens(scene.hold.get(), nullptr) != 0) {
@@ -175,7 +175,7 @@ Result<bool> SceneCache::has(const SceneFile& wanted, Count& count) {
     if (!hashed && hashed.error().code() == ErrorCode::kUnavailable) return hashed.error();
   }
   count.done = before;
-  fs::remove_all(path, none);  // Damaged or unreadable.
+  fs::remove_all(path, none);  // The file is damaged or unreadable.
   return false;
 }
 
@@ -193,7 +193,7 @@ Status SceneCache::fetch(const SceneFile& wanted, FileSource& source, Count& cou
     if (sha256 == wanted.sha256) break;
     count.done = before;
     if (::ftruncate(fd.get(), 0) != 0) return Error::from_errno(fmt::format("emptying '{}'", path.string()));
-    // A crash may have damaged the earlier part: try once more from the beginning.
+    // A crash may have damaged the part received earlier: try once more from the beginning.
     if (have == 0) {
       return Error(ErrorCode::kBadData,
                    fmt::format("the coordinator sent bytes for '{}' that do not match its list; if the "
@@ -222,7 +222,7 @@ Status SceneCache::append(const SceneFile& wanted, int fd, std::uint64_t have, F
     if (!count.add("checking", static_cast<std::uint64_t>(n))) return given_up();
   }
   if (!count.report_progress("fetching")) return given_up();
-  std::optional<Error> mine;  // Failure here, as opposed to one of the source.
+  std::optional<Error> mine;  // An error of this function, as opposed to one of the source.
   const auto sink = [&](std::span<const std::byte> bytes) -> Status {
     if (bytes.size() > wanted.bytes - have) {
       mine = Error(ErrorCode::kBadData,

@@ -15,13 +15,13 @@
 
 namespace cyclorama::scene_distribution {
 
-/// Source of the files that a cache lacks.
+/// A source of files that a cache lacks.
 class FileSource {
  public:
   using Sink = std::function<Status(std::span<const std::byte>)>;
   virtual ~FileSource() = default;
-  /// Passes the file's bytes from `offset` on to `sink`, in order and in pieces of any size; returns an error of
-  /// `sink`.
+  /// Passes the file's bytes from `offset` on to `sink`, in order and in pieces of any size. Errors: those of `sink`,
+  /// and those of the source.
   virtual Status read(const std::string& sha256, std::uint64_t offset, const Sink& sink) = 0;
 
  protected:
@@ -31,41 +31,44 @@ class FileSource {
 };
 
 struct SceneCacheOptions {
-  std::filesystem::path folder;   ///< Created if absent; must be on a file system with hard links.
-  std::uint64_t limit_bytes = 0;  ///< Limit for all files; 0 leaves only that of the disk.
+  std::filesystem::path folder;   ///< Created if absent. Must be on a file system with hard links.
+  std::uint64_t limit_bytes = 0;  ///< Limit for all files; 0: only the disk limits them.
 };
 
-/// Receives the current step ("checking", "fetching", "waiting for another node to fill the cache") and the fraction of
-/// the scene's bytes that is done. Returns false to give up.
+/// Receives the current step ("checking", "fetching", "waiting for another node to fill the cache") and the completed
+/// fraction of the scene's bytes. Returns false to give up.
 using CacheProgress = std::function<bool(const char* doing, double fraction)>;
 
-/// A node's scenes on its own disk; each file is stored once, by its SHA-256.
+/// A node's scenes on its own disk. Each file is stored once, under its SHA-256.
 ///
-///   files/<sha256>       complete and verified; gets this name only then
-///   files/<sha256>.part  received so far; the next attempt continues at its end
-///   scenes/<digest>/     the scene's paths: hard links to the files; its time is when the scene was last requested
+///   files/<sha256>       a complete and verified file
+///   files/<sha256>.part  the bytes received so far; the next attempt continues at their end
+///   scenes/<digest>/     the paths of a scene: hard links to its files; the folder's time is that of the last request
 ///
-/// Every file of a scene is verified by its bytes before the scene is returned, and fetched again if it is damaged. A
-/// file that this object has verified and whose stamp is unchanged is not read again. So a crash or a power cut at any
-/// moment costs at most what was not yet written. Room is made by dropping files that belong to no scene, then the
-/// least recently requested scenes. Several processes may share a folder: one fills it at a time. Thread-bound.
+/// The bytes of every file of a scene are verified before the scene is returned; a damaged file is fetched again. A
+/// file that this object has verified and whose stamp is unchanged is not read again. A crash or a power cut at any
+/// moment costs at most the bytes that were not yet written. To make room, files that belong to no scene are dropped
+/// first, then the least recently requested scenes. Several processes may share a folder; one at a time fills it.
+/// Thread-bound.
 class SceneCache {
  public:
-  /// Creates the folders and removes leftovers of a crash. Errors: kSystem if they cannot be created or written.
+  /// Opens a cache: creates the folders and removes leftovers of a crash. Errors: kSystem if they cannot be created or
+  /// written.
   static Result<SceneCache> open(SceneCacheOptions options);
 
-  /// A complete scene, kept while this object lives.
+  /// A complete scene, which is kept in the cache while this object exists.
   struct Held {
-    std::filesystem::path path;  ///< Argument for load_scene(): the folder, or the scene's only file.
+    std::filesystem::path path;  ///< Argument for load_scene(): the folder, or the only file of the scene.
     std::uint64_t fetched_bytes = 0;
-    UniqueFd hold;  ///< A shared flock(2) on the folder, which prevents dropping it.
+    UniqueFd hold;  ///< Shared flock(2) on the folder, which prevents its removal.
   };
-  /// Provides the scene's files, fetching missing ones from `source`. Precondition: validate(files). Blocks.
+  /// Provides the scene's files; missing files are fetched from `source`. Precondition: validate(files) succeeds.
+  /// Blocks.
   ///
-  /// Errors, besides those of `source`:
+  /// Errors, in addition to those of `source`:
   /// kBadData      the source's bytes do not match the list.
   /// kBusy         a file in the cache was changed meanwhile.
-  /// kUnavailable  given up.
+  /// kUnavailable  `progress` returned false.
   /// kSystem       the scene exceeds the cache's limit, or the disk is full or fails: one sentence with a remedy.
   Result<Held> bring(const SceneFiles& files, FileSource& source, const CacheProgress& progress);
 
@@ -75,7 +78,7 @@ class SceneCache {
   struct Count;
   Result<UniqueFd> lock(const CacheProgress& progress) const;
   void sweep() const;
-  /// Returns true if the file is present and intact; removes a damaged one.
+  /// Returns true if the file is present and intact. Removes a damaged file.
   Result<bool> has(const SceneFile& file, Count& count);
   Status fetch(const SceneFile& file, FileSource& source, Count& count);
   Status append(const SceneFile& file, int fd, std::uint64_t have, FileSource& source, Count& count,

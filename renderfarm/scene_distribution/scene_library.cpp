@@ -41,7 +41,7 @@ Result<StampedFile> SceneLibrary::open(const std::string& sha256) const {
                           : Error(ErrorCode::kNotFound, "no scene of this farm has that file");
   for (const SceneListing::Place& place : places) {
     auto file = open_stamped(place.path);
-    // Its name or owner may have changed, but not its bytes, which the receiver verifies.
+    // The file's name or owner may have changed, but not its bytes, which the receiver verifies.
     if (file && file->stamp.bytes == place.stamp.bytes && file->stamp.modified_ns == place.stamp.modified_ns) {
       return file;
     }
@@ -54,7 +54,7 @@ Result<StampedFile> SceneLibrary::open(const std::string& sha256) const {
 
 void SceneLibrary::run(const std::stop_token& stop, std::vector<Source> sources, const std::filesystem::path& digests) {
   DigestMemory memory(digests);
-  std::map<std::string, std::string> last_reported;  // Keyed by scene; a repeated failure is not reported again.
+  std::map<std::string, std::string> last_reported;  // Sentence by scene; a repeated failure is not reported again.
   const auto on_news = [&](News news) {
     if (std::exchange(last_reported[news.scene], news.sentence) != news.sentence) on_news_(std::move(news));
   };

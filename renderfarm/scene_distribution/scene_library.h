@@ -19,9 +19,9 @@
 
 namespace cyclorama::scene_distribution {
 
-/// The scenes on this machine's disk that nodes may fetch, by digest. Reads each scene once, in a thread of its own
-/// (`scenes`), one after the other; retries an unreadable one every few seconds. Later changes are not noticed: a scene
-/// stays as it was read, and a file changed since is refused. Thread-safe.
+/// The scenes on this machine's disk that nodes may fetch, by digest. Reads each scene once, one after another, on the
+/// thread `scenes`; retries unreadable scenes every few seconds. Does not notice later changes: a scene stays as it was
+/// read, and a file that was changed since is refused. Thread-safe.
 class SceneLibrary {
  public:
   struct Source {
@@ -30,26 +30,26 @@ class SceneLibrary {
   };
   struct News {
     std::string scene;
-    std::string digest;    ///< Empty if not known yet.
+    std::string digest;    ///< Empty if it is not known yet.
     std::string sentence;  ///< For the log.
   };
-  /// Starts reading. `on_news` is called on the thread; `digests` is DigestMemory's file, or empty.
+  /// Starts reading. `on_news` is called on the thread `scenes`. `digests` is the file of DigestMemory, or empty.
   SceneLibrary(std::vector<Source> sources, std::filesystem::path digests, std::function<void(News)> on_news);
   ~SceneLibrary();
   SceneLibrary(const SceneLibrary&) = delete;
   SceneLibrary& operator=(const SceneLibrary&) = delete;
 
-  /// True until each scene was read or failed; until then, a missing digest may still be added.
+  /// Returns true until each scene was read or has failed. Until then, a missing digest may still be added.
   [[nodiscard]] bool is_reading() const { return is_reading_; }
-  /// Returns null if no scene has that digest.
+  /// Returns null if no scene has this digest.
   [[nodiscard]] std::shared_ptr<const SceneFiles> find(const std::string& digest) const;
-  /// Opens a file of some scene, never any other. Errors: kNotFound if there is none or it changed since it was read;
-  /// kUnavailable if there is none while is_reading().
+  /// Opens a file of some scene; no other file can be opened. Errors: kNotFound if no scene has it or it changed since
+  /// it was read; kUnavailable if no scene has it while is_reading().
   [[nodiscard]] Result<StampedFile> open(const std::string& sha256) const;
 
  private:
   void run(const std::stop_token& stop, std::vector<Source> sources, const std::filesystem::path& digests);
-  /// The digest is empty if the scene could not be read; the sentence gives the reason.
+  /// Reads a scene. If it cannot be read, the digest is empty and the sentence gives the reason.
   News read(const std::stop_token& stop, const Source& source, DigestMemory& memory);
   void add(SceneListing listing);
 

@@ -30,7 +30,7 @@ Result<std::vector<std::string>> names_in(const fs::path& folder) {
     }
     const std::string name = at->path().lexically_relative(folder).generic_string();
     if (fs::is_directory(status)) {
-      TRY(check_scene_path(name));  // Checked here too, so that the walk is not deeper than a list may be.
+      TRY(check_scene_path(name));  // Checked here, too, so that the search is not deeper than a list may be.
       continue;
     }
     if (!fs::is_regular_file(status)) {

@@ -11,12 +11,12 @@ struct evp_md_ctx_st;
 
 namespace cyclorama::scene_distribution {
 
-/// SHA-256 (FIPS 180-4) of bytes that come in pieces, by OpenSSL. Thread-bound.
+/// Computes the SHA-256 (FIPS 180-4) of bytes that arrive in pieces, with OpenSSL. Thread-bound.
 class Sha256 {
  public:
   Sha256();
   void add(std::span<const std::byte> bytes);
-  /// Returns 64 lower-case characters. Ends the computation: nothing may be added afterwards.
+  /// Returns 64 lower-case digits. Ends the computation: nothing may be added afterwards.
   [[nodiscard]] std::string hexadecimal();
 
  private:
@@ -28,7 +28,7 @@ class Sha256 {
 
 [[nodiscard]] std::string sha256_of(std::string_view text);
 
-/// True for 64 hexadecimal digits in lower case, which are also safe as a file name.
+/// Returns true for 64 lower-case hexadecimal digits. Such a text is also safe as a file name.
 [[nodiscard]] bool is_sha256(std::string_view text);
 
 }  // namespace cyclorama::scene_distribution

@@ -49,11 +49,11 @@ std::string line_of(const AuditEvent& event) {
   return line.dump() + "\n";
 }
 
-/// Makes the lines durable, and a new file's name in its folder.
+/// Makes the lines durable, and also the name of a new file in its folder.
 Status sync(const std::vector<std::shared_ptr<const UniqueFd>>& files, const std::filesystem::path& path) {
   const auto failure = [&] { return Error::from_errno(fmt::format("keeping the audit log '{}'", path.string())); };
   for (const auto& file : files) {
-    if (::fdatasync(file->get()) != 0 && errno != EINVAL) return failure();  // EINVAL: not a file on a disk.
+    if (::fdatasync(file->get()) != 0 && errno != EINVAL) return failure();  // EINVAL: the file is not on a disk.
   }
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   const UniqueFd opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));

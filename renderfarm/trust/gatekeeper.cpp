@@ -17,7 +17,7 @@ namespace {
 constexpr Duration kLookEvery = std::chrono::milliseconds(500);
 constexpr Duration kSameRefusal = std::chrono::minutes(1);
 constexpr std::size_t kMaxRefusals = 1000;
-/// Ensures that a museum whose pictures exceed its limit still gets one occasionally.
+/// Maximum delay of a frame, so that a museum whose pictures exceed its byte limit still gets one from time to time.
 constexpr Duration kMaxDelay = std::chrono::seconds(10);
 constexpr std::size_t kMaxAuthorityBytes = 1 << 20;
 
@@ -179,7 +179,7 @@ TimePoint Gatekeeper::reply_written(std::uint64_t id, const wire::SessionReply& 
   if (limit <= 0.0) return now;
   const auto bucket = bytes_.try_emplace(session.who.name, limit, limit).first;
   const TimePoint due = bucket->second.take(static_cast<double>(bytes), now);
-  // Only the end of a frame delays the next one.
+  // Only the end of a frame delays the next frame.
   return reply.has_end() ? std::min(due, now + kMaxDelay) : now;
 }
 

@@ -11,13 +11,13 @@ namespace cyclorama::trust {
 namespace {
 
 constexpr int kUsualSessions = 4;
-/// Those of a view on the wire (common/wire/view.proto).
+/// Limits of a view on the wire (common/wire/view.proto).
 constexpr int kMaxSamples = 4096;
 constexpr int kMaxBounces = 64;
 constexpr int kMaxPerDay = 1'000'000'000;
 constexpr double kGibibyte = 1024.0 * 1024.0 * 1024.0;
 
-/// Returns 0 for an invalid key.
+/// Parses a watermark's key. Returns 0 if it is invalid.
 std::uint64_t parse_watermark(std::string_view text) {
   std::uint64_t key = 0;
   const char* const end = text.data() + text.size();

@@ -10,20 +10,23 @@
 
 namespace cyclorama::trust {
 
-/// Certificates that an authority has revoked: its list (CRL, RFC 5280), crl.pem. A value; thread-bound.
+/// The certificates that an authority has revoked, from its revocation list (CRL, RFC 5280), crl.pem. A value;
+/// thread-bound.
 class Revocations {
  public:
-  /// An empty list.
+  /// Makes an empty list.
   Revocations() = default;
-  /// Errors: kBadData if this is no list in PEM form, or the authority (a certificate, PEM) did not sign it.
+  /// Parses a list. Errors: kBadData if `pem` is not a list in PEM form, or if the authority, a certificate in PEM
+  /// form, did not sign it.
   static Result<Revocations> parse(std::string_view pem, std::string_view authority_pem);
 
-  /// Serial numbers are upper-case hexadecimal, as in Identity.
+  /// Returns true if the certificate with this serial number is revoked. The number is upper-case hexadecimal, as in
+  /// Identity.
   [[nodiscard]] bool contains(const std::string& serial) const { return serials_.contains(serial); }
   [[nodiscard]] std::size_t size() const { return serials_.size(); }
-  /// True after the time by which the authority promised a newer list.
+  /// Returns true after the time for which the authority announced the next list.
   [[nodiscard]] bool is_out_of_date() const;
-  /// A day; "?" if the list has none.
+  /// Returns the day for which the next list was announced; "?" if there is none.
   [[nodiscard]] const std::string& next_update() const { return next_update_; }
 
  private:

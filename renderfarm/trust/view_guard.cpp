@@ -38,7 +38,7 @@ double distance_to_edge(const Polygon& polygon, const Point& at) {
   return least;
 }
 
-/// Returns the pixels per radian straight ahead, or where the picture is nearest to that.
+/// Returns the pixels per radian straight ahead, or at the direction of the picture that is closest to straight ahead.
 double px_per_rad(const wire::Panorama& picture) {
   constexpr double kMinAngle = 1e-9;
   const auto width = static_cast<double>(picture.width_px());

@@ -16,28 +16,28 @@
 
 namespace cyclorama::trust {
 
-/// Refuses views that no visitor could have, so that a museum cannot scan a scene: pictures turn into geometry, the more
-/// of them and the freer their eyes, the better. One session's; a value; thread-bound.
+/// Refuses views that no visitor could have, so that a museum cannot scan a scene: the more pictures there are and the
+/// freer their eyes, the better geometry can be reconstructed from them. One guard per session. A value; thread-bound.
 ///
-/// An eye is in the walkable area (or within kMarginM of it, for rounding and for predictions), at the height of the
-/// start and of the stops, and moves at a walking pace; jumps lead to the start or to a stop. Two eyes are as far apart
-/// as people's at most, and a pixel is no finer than an eye resolves.
+/// An eye must be in the walkable area (or within kMarginM of it, which allows for rounding and predictions), at the
+/// height of the start and the stops, and move at a walking pace; only jumps to the start or to a stop may be faster.
+/// Two eyes are at most as far apart as people's, and a pixel is no finer than an eye resolves.
 class ViewGuard {
  public:
   explicit ViewGuard(const wire::SceneDescription& scene);
 
-  /// Errors: kInvalidArgument, with the value and what is allowed.
+  /// Checks a view. Errors: kInvalidArgument, with the value and what is allowed.
   Status check(const wire::View& view, TimePoint now);
 
   static constexpr double kMarginM = 0.3;
-  static constexpr double kHeightM = 1.0;          ///< Above and below the start and the stops.
-  static constexpr double kPaceMPerS = 2.0;        ///< Twice a tour's own limit; times the scene's walking scale.
-  static constexpr double kPaceReserveM = 4.0;     ///< May be walked at once after a rest; scaled likewise.
-  static constexpr double kMaxEyeDistanceM = 1.0;  ///< Between two eyes: the limit of installation.toml.
-  static constexpr double kMaxPxPerRad = 20000.0;  ///< A panel of 4K seen from 5 m; an eye resolves some 3400.
+  static constexpr double kHeightM = 1.0;          ///< Maximum distance above and below the start and the stops.
+  static constexpr double kPaceMPerS = 2.0;        ///< Twice a tour's limit; multiplied by the scene's walking scale.
+  static constexpr double kPaceReserveM = 4.0;     ///< Distance that a rest permits at once; multiplied likewise.
+  static constexpr double kMaxEyeDistanceM = 1.0;  ///< Maximum distance between two eyes, as in installation.toml.
+  static constexpr double kMaxPxPerRad = 20000.0;  ///< A 4K panel seen from 5 m; an eye resolves about 3400.
 
  private:
-  using Point = std::array<double, 2>;  ///< (x, z).
+  using Point = std::array<double, 2>;  ///< Coordinates (x, z).
   [[nodiscard]] bool is_walkable(const Point& eye) const;
 
   std::vector<Point> area_;
@@ -51,16 +51,17 @@ class ViewGuard {
   Point last_{};
 };
 
-/// Counts a museum's views and distinct places of each day, for its quotas. Thread-bound.
+/// Counts the views and the distinct places of a museum on each day, for its quotas. Thread-bound.
 class DailyViews {
  public:
-  /// 0: not limited.
+  /// Limits per day; 0: not limited.
   struct Limits {
     std::int64_t views = 0;
     std::int64_t places = 0;
     friend bool operator==(const Limits&, const Limits&) = default;
   };
-  /// Errors: kBusy, in one sentence, if the view would exceed a limit of its day. `day` counts days from any origin.
+  /// Counts a view. Errors: kBusy, one sentence, if it would exceed a limit of its day. `day` counts days from any
+  /// origin.
   Status count(const std::string& scene, const wire::View& view, const Limits& limits, std::int64_t day);
 
   [[nodiscard]] std::int64_t views() const { return views_; }

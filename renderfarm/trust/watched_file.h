@@ -18,8 +18,8 @@ class WatchedFile {
   explicit WatchedFile(std::filesystem::path path) : path_(std::move(path)) {}
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// Returns the content, or an error as read_text_file(), if the file changed since the last call or this is the
-  /// first call; otherwise nothing.
+  /// Returns the content, or an error of read_text_file(), on the first call and whenever the file has changed since
+  /// the previous call; otherwise nothing.
   std::optional<Result<std::string>> changed();
 
  private:

@@ -28,7 +28,7 @@ std::string base64(const std::string& text) {
   return out;
 }
 
-/// Accepts "localhost", "[::1]:7404", "127.0.0.1".
+/// Returns true for a Host header such as "localhost", "[::1]:7404" or "127.0.0.1".
 bool names_this_machine(const std::string& host) { return is_loopback(host) || is_loopback(host + ":80"); }
 
 }  // namespace

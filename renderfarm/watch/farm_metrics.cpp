@@ -44,7 +44,7 @@ const char* word_for(ErrorCode code) {
   return "system";
 }
 
-/// From a tenth of the smallest relevant duration to far beyond any budget.
+/// Bounds in seconds, from a tenth of the smallest relevant duration to far beyond any budget.
 const Histogram::BucketBoundaries kSeconds{0.0001, 0.00025, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02,
                                            0.05,   0.1,     0.2,    0.5,   1.0,   2.0,   5.0};
 
@@ -52,11 +52,11 @@ Family<Counter>& counter(prometheus::Registry& registry, const char* name, const
   return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
 }
 
-/// Gauges that are rebuilt for each answer, so that nothing stale remains.
+/// Gauges that are rebuilt for each response, so that no outdated series remains.
 class Gauges {
  public:
   void add(const char* name, const char* help) { families_.push_back({name, help, prometheus::MetricType::Gauge, {}}); }
-  /// Adds a sample to the family that was added last.
+  /// Adds a sample to the most recently added family.
   void sample(std::vector<ClientMetric::Label> labels, double value) {
     ClientMetric metric;
     metric.label = std::move(labels);
@@ -135,8 +135,8 @@ struct FarmMetrics::Series {
   std::set<std::string> museums;
   FarmOverview overview;
 
-  /// Bounds the number of label values: high cardinality overloads a metrics server, and museums choose their own
-  /// names.
+  /// Returns the label for a museum. The number of label values is bounded, because museums choose their names and high
+  /// cardinality overloads a metrics server.
   std::string label_of(const std::string& museum) {
     const std::lock_guard lock(mutex);
     return label_while_locked(museum);
@@ -156,7 +156,7 @@ struct FarmMetrics::Series {
     for (const auto& [museum, sessions_of] : by_museum) {
       gauges->sample({{"museum", museum}}, static_cast<double>(sessions_of.size()));
     }
-    // Shows the worst of several sessions of one museum, which an alert should see.
+    // If a museum has several sessions, shows the worst value, which alerts should see.
     const auto worst = [&](const char* name, const char* help, bool min,
                            const std::function<double(const WatchedSession&)>& value) {
       gauges->add(name, help);
@@ -214,7 +214,7 @@ void FarmMetrics::add_stage(const std::string& stage, double seconds) {
 void FarmMetrics::session_opened(const std::string& museum) {
   const prometheus::Labels labels{{"museum", series_->label_of(museum)}};
   series_->sessions.Add(labels).Increment();
-  // Rates need a first value, so a counter starts at 0 instead of being absent.
+  // Rates need a first value, so counters start at 0 instead of being absent.
   for (Family<Counter>* const family : {&series_->frames, &series_->refined, &series_->late, &series_->given_up}) {
     family->Add(labels);
   }

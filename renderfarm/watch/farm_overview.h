@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// State of the farm at one moment: plain data for tables, metrics and pages.
+/// The farm's state at one moment: plain data for tables, metrics and pages.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,20 @@ struct WatchedSession {
   std::uint64_t id = 0;  ///< Unique while the coordinator runs.
   std::string museum{};
   std::string scene{};
-  double frames_per_second = 0.0;  ///< Over about the last second; pictures at rest are not counted.
-  int samples_per_pixel = 0;       ///< Total of the last frame.
+  double frames_per_second = 0.0;  ///< Rate over about the last second, without pictures at rest.
+  int samples_per_pixel = 0;       ///< Total samples of the last frame.
   double scale = 1.0;              ///< Rendered width over requested width.
   int width_px = 0;                ///< Width of the rendered picture.
   int height_px = 0;
-  double budget_ms = 0.0;  ///< Per frame; 0 if each view states its own quality.
-  double frame_ms = 0.0;   ///< Last frame, from the view's arrival to the frame's end.
+  double budget_ms = 0.0;  ///< Budget per frame; 0 if each view states its quality.
+  double frame_ms = 0.0;   ///< Time of the last frame, from the view's arrival to the frame's end.
   double bytes_per_frame = 0.0;
-  double balance_efficiency = 1.0;  ///< Mean load over largest load of the nodes, in the last frame.
+  double balance_efficiency = 1.0;  ///< Mean load over largest load of the nodes in the last frame.
   std::uint64_t frames = 0;         ///< Complete frames since the session was opened.
-  std::uint64_t refined = 0;        ///< Pictures at rest with more samples.
-  std::uint64_t late = 0;           ///< Given up at the deadline.
-  std::uint64_t given_up = 0;       ///< Given up for another reason.
-  /// Source of the light in its moving pictures, such as "light 3f2a91c4 on 2 of 2 nodes" or "paths".
+  std::uint64_t refined = 0;        ///< Refinements of pictures at rest.
+  std::uint64_t late = 0;           ///< Frames given up at the deadline.
+  std::uint64_t given_up = 0;       ///< Frames given up for other reasons.
+  /// Source of the light in the session's moving pictures, such as "light 3f2a91c4 on 2 of 2 nodes" or "paths".
   std::string light{};
 };
 
@@ -36,14 +36,15 @@ struct WatchedNode {
   std::string state{};  ///< "ready", "loading", "late", "stops" or "no scene".
   int threads = 0;
   double speed = 1.0;              ///< Speed of one thread, relative to the first measured node.
-  std::size_t blocks = 0;          ///< Ordered and not yet ended.
-  std::size_t blocks_waiting = 0;  ///< Reported by the node as not yet begun.
+  std::size_t blocks = 0;          ///< Blocks that are ordered and have not ended.
+  std::size_t blocks_waiting = 0;  ///< Blocks that the node reported as not yet begun.
   std::uint64_t memory_bytes = 0;
   double uptime_s = 0.0;
-  /// Part of the largest load in a frame, smoothed: 1 for all nodes is a perfect balance.
+  /// Load of the node over the largest load in a frame, smoothed; with perfect balance it is 1 for all nodes.
   double load_share = 0.0;
-  std::vector<std::string> scenes{};  ///< Loaded scenes.
-  /// Scenes whose light it has, such as "grotto: 3f2a91c4", computes ahead or is about to: "grotto: 42 %, 3 min left".
+  std::vector<std::string> scenes{};  ///< Names of the loaded scenes.
+  /// Light that the node has, such as "grotto: 3f2a91c4", or computes or will compute, such as "grotto: 42 %, 3 min
+  /// left".
   std::vector<std::string> light{};
 };
 

@@ -8,7 +8,7 @@
 namespace cyclorama::watch {
 namespace {
 
-/// Fills one row after the other, so that each column's name stands next to its value.
+/// Fills a table row by row, so that in the code each column's name is next to its value.
 class TableWriter {
  public:
   explicit TableWriter(const char* name) { table_.set_name(name); }

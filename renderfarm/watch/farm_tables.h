@@ -6,7 +6,7 @@
 
 namespace cyclorama::watch {
 
-/// The tables "sessions" and "nodes" of the inspection service, shown by `cyclorama-farm top` and the page.
+/// Return the tables "sessions" and "nodes" of the inspection service. `cyclorama-farm top` and the page show them.
 [[nodiscard]] wire::Table sessions_table(const FarmOverview& farm);
 [[nodiscard]] wire::Table nodes_table(const FarmOverview& farm);
 

@@ -12,20 +12,20 @@
 
 namespace cyclorama::watch {
 
-/// The coordinator's metrics and pictures, by HTTP and as a file, as far as the options enable them. Thread-bound,
-/// except for the objects that it returns.
+/// The coordinator's metrics and pictures, over HTTP and as a file, as far as the options enable them. Thread-bound,
+/// except for the returned objects.
 class FarmWatch {
  public:
-  /// Borrows `inspection`. Nothing listens before start().
+  /// Keeps a reference to `inspection`. Nothing listens before start().
   explicit FarmWatch(InspectionService& inspection) : inspection_(inspection) {}
 
-  /// `notice` may be called on another thread. Errors: kInvalidArgument as validate(WatchOptions); otherwise as
+  /// Starts what the options enable. `notice` may be called on another thread. Errors: those of validate(WatchOptions),
   /// WatchServer, MetricsFile and Access.
   Status start(const WatchOptions& options, const std::function<void(const std::string&)>& notice);
   void stop();
 
   [[nodiscard]] FarmMetrics& metrics() { return metrics_; }
-  /// Null if nobody can watch; then pictures need not be kept.
+  /// Returns null if nobody can watch; pictures then need not be kept.
   [[nodiscard]] SessionPictures* pictures() { return server_ ? &pictures_ : nullptr; }
   [[nodiscard]] int port() const { return server_ ? server_->port() : 0; }
 

@@ -28,7 +28,7 @@ MetricsFile::~MetricsFile() {
   changed_.notify_all();
   thread_.join();
   std::error_code ignored;
-  std::filesystem::remove(path_, ignored);  // Otherwise the last numbers of a stopped coordinator would look current.
+  std::filesystem::remove(path_, ignored);  // Otherwise the last numbers would look current after a stop.
 }
 
 void MetricsFile::run() {

@@ -16,14 +16,14 @@
 namespace cyclorama::watch {
 
 /// Writes the metrics into a file for node_exporter's textfile collector, for farms without a listener. A reader sees
-/// the old text or the new one, never a part; the destructor removes the file. Thread: `metrics`, which alone accesses
-/// the disk.
+/// the old text or the new one, never a mixture. The destructor removes the file. Thread: `metrics`, which alone
+/// accesses the disk after start().
 class MetricsFile {
  public:
   static constexpr Duration kPeriod = std::chrono::seconds(10);
 
-  /// Writes once before it returns. Borrows `metrics`. Calls `notice` on the thread when writing fails and when it
-  /// works again. Errors as write_file_atomically().
+  /// Writes the file once before it returns. Keeps a reference to `metrics`. Calls `notice`, on the thread `metrics`,
+  /// when writing fails and when it works again. Errors: those of write_file_atomically().
   static Result<std::unique_ptr<MetricsFile>> start(std::filesystem::path path, const FarmMetrics& metrics,
                                                     std::function<void(const std::string&)> notice,
                                                     Duration period = kPeriod);
@@ -43,7 +43,7 @@ class MetricsFile {
   std::mutex mutex_;
   std::condition_variable changed_;
   bool stopping_ = false;  ///< Guarded by mutex_.
-  std::thread thread_;     ///< Last member: started when all others exist.
+  std::thread thread_;     ///< Last member, because the thread uses all others.
 };
 
 }  // namespace cyclorama::watch

@@ -22,7 +22,7 @@ void SessionPictures::taken(std::uint64_t session, wire::SessionReply reply) {
     coming.picture.width_px = static_cast<int>(reply.begin().panorama().width_px());
     coming.picture.height_px = static_cast<int>(reply.begin().panorama().height_px());
   } else if (reply.has_tile() && coming.wanted) {
-    reply.mutable_tile()->clear_depth();  // Only its picture is shown.
+    reply.mutable_tile()->clear_depth();  // Only the pixels are shown.
     coming.bytes += reply.tile().jpeg().size();
     coming.picture.tiles.push_back(std::move(*reply.mutable_tile()));
     if (coming.bytes > kMaxBytes) coming = {};

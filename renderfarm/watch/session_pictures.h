@@ -14,32 +14,32 @@
 
 namespace cyclorama::watch {
 
-/// One complete frame as the museum received it.
+/// One complete frame, as the museum received it.
 struct FramePicture {
-  std::uint64_t serial = 0;  ///< Grows with each picture of any session.
+  std::uint64_t serial = 0;  ///< Increases with each picture of any session.
   int width_px = 0;
   int height_px = 0;
   std::vector<wire::Tile> tiles{};
 };
 
-/// Keeps the newest complete frame of each session for the operator. The coordinator's loop passes each message that a
-/// museum has received, with its bytes, so it neither copies nor decodes; watchers decode on their own threads. Memory:
-/// for each session the newest frame and the next one, each at most kMaxBytes. Thread-safe; the messages of one
-/// session come from one thread, in order.
+/// Keeps the newest complete frame of each session for the operator. The coordinator's loop moves each message that a
+/// museum has received into this object, so it neither copies nor decodes; watchers decode on their own threads.
+/// Memory: the newest frame and the next one of each session, each at most kMaxBytes. Thread-safe; the messages of one
+/// session must come from one thread, in order.
 class SessionPictures {
  public:
   static constexpr std::size_t kMaxBytes = std::size_t{32} << 20;
 
-  /// Takes a message that is on its way to the museum. Frames that exceed kMaxBytes or are incomplete are left out.
+  /// Adds a message that was sent to the museum. Frames that exceed kMaxBytes or are incomplete are omitted.
   void taken(std::uint64_t session, wire::SessionReply reply);
   void session_ended(std::uint64_t session);
-  /// Ends all waiting, now and later.
+  /// Ends all present and future waits.
   void close();
 
-  /// Returns the newest frame with a serial above `after`; waits for it until `deadline`. Null if there is none.
+  /// Returns the newest frame with a serial above `after`, for which it waits until `deadline`. Null if there is none.
   [[nodiscard]] std::shared_ptr<const FramePicture> newest(std::uint64_t session, std::uint64_t after,
                                                            TimePoint deadline) const;
-  /// Returns false once the session or the farm has ended, so that its watchers can stop.
+  /// Returns false once the session has ended or close() was called, so that watchers can stop.
   [[nodiscard]] bool is_open(std::uint64_t session) const;
 
  private:
@@ -48,7 +48,7 @@ class SessionPictures {
     std::size_t bytes = 0;
     bool wanted = false;
   };
-  std::map<std::uint64_t, Coming> coming_;  ///< Used by the loop only.
+  std::map<std::uint64_t, Coming> coming_;  ///< Bound to the coordinator's loop.
 
   mutable std::mutex mutex_;  ///< Guards the following.
   mutable std::condition_variable changed_;
@@ -61,7 +61,8 @@ class SessionPictures {
 /// Decodes the tiles into one picture. Errors: kBadData if a tile is no JPEG or lies outside the picture.
 Result<RgbImage> composed(const FramePicture& frame);
 
-/// Halves width and height, rounded down; each pixel is the mean of four. Returns pictures below 2x2 unchanged.
+/// Returns a picture of half the width and height, rounded down; each pixel is the mean of four. Returns a picture
+/// below 2×2 unchanged.
 [[nodiscard]] RgbImage halved(const RgbImage& image);
 
 }  // namespace cyclorama::watch

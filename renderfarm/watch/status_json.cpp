@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Replaces bytes that are not UTF-8, so that a peer's text cannot break a page.
+/// Returns the JSON text. Replaces bytes that are not UTF-8, so that text from a peer cannot break a page.
 std::string dumped(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 constexpr double kWhole = 9007199254740992.0;  // 2^53
@@ -18,7 +18,7 @@ constexpr double kWhole = 9007199254740992.0;  // 2^53
 Json value_of(const wire::Cell& cell) {
   if (cell.value_case() == wire::Cell::kText) return cell.text();
   if (cell.value_case() == wire::Cell::kNumber) {
-    // Numbers of sessions and frames are whole and are written without a fraction.
+    // Whole numbers, such as the numbers of sessions and frames, are written without a fraction.
     const double number = cell.number();
     if (number == std::trunc(number) && std::abs(number) < kWhole) return static_cast<std::int64_t>(number);
     return number;

@@ -38,7 +38,7 @@ void print(const std::string& text) {
   std::fflush(stdout);
 }
 
-/// The terminal's alternate screen, so that the shell's lines reappear afterwards.
+/// Uses the terminal's alternate screen, so that the shell's lines reappear afterwards.
 class OtherPage {
  public:
   OtherPage() { print("\x1b[?1049h\x1b[?25l"); }

@@ -50,7 +50,7 @@ constexpr std::array<Column, 11> kNodes{{{"name", "node", 24, kText},
                                          {"scenes", "scenes", 32, kText},
                                          {"light", "light", 32, kText}}};
 
-/// In the order of a frame's steps; others follow.
+/// Stages in the order in which a frame passes them. Other stages follow.
 constexpr std::array<std::string_view, 8> kStages{"queue",  "plan",  "fan_out",  "render",
                                                   "encode", "relay", "overhead", "farm"};
 

@@ -7,7 +7,7 @@
 
 namespace cyclorama::watch {
 
-/// The farm as a table for a terminal: its state, sessions, nodes and the steps of a frame. Lines have at most
+/// Returns the farm as a table for a terminal: its state, sessions, nodes and the stages of a frame. Lines have at most
 /// `columns` characters, however long a museum's name is. Pure.
 [[nodiscard]] std::string top_text(const wire::ProcessStatus& status, int columns);
 

@@ -16,12 +16,12 @@ namespace cyclorama::watch {
 namespace {
 
 constexpr HttpLimits kLimits{.threads = 12};
-/// Minimum time between two pictures for one watcher; ten per second suffice for judging them.
+/// Minimum time between two pictures for one watcher; ten per second suffice to judge them.
 constexpr Duration kPeriod = std::chrono::milliseconds(100);
-/// A picture at rest is sent again after this time, so that a watcher who has left is noticed and players stay
+/// Time after which a picture at rest is sent again, so that disconnected watchers are noticed and players stay
 /// connected.
 constexpr Duration kAgain = std::chrono::seconds(4);
-/// Maximum time that a handler waits in one call, so that a stop is noticed.
+/// Maximum time that a handler waits in one call, so that it notices stop().
 constexpr Duration kWaitTimeout = std::chrono::seconds(1);
 constexpr JpegOptions kJpeg{80, true};
 
@@ -128,7 +128,7 @@ void WatchServer::answer_pictures(std::uint64_t session, bool half, httplib::Res
     return answer_error(Error(ErrorCode::kBusy, fmt::format("{} watch already; close one", kMaxWatchers)), response);
   }
   const auto watcher = std::make_shared<Watcher>(sources_.pictures, session, half, watchers_);
-  // A HEAD request or a broken connection never calls the provider. It is destroyed at the end of the response.
+  // For a HEAD request or a broken connection the provider is never called. It is destroyed at the end of the response.
   response.set_chunked_content_provider(
       kMjpegType, [watcher](std::size_t, httplib::DataSink& sink) { return watcher->send_next(sink); });
 }

@@ -7,7 +7,7 @@
 ///   GET /sessions/ID.mjpeg the session's pictures while it lasts, at most ten per second; `?half` halves their sides
 ///   GET /sessions/ID.jpg   its newest picture; 404 if it has none yet
 ///   GET /metrics           Prometheus
-///   GET /health            {"healthy": …} with 200 or 503; the only one that needs no token
+///   GET /health            {"healthy": …} with 200 or 503; the only path that needs no token
 ///
 /// Errors are {"error": sentence} with 401, 403, 404, 429 (too many watchers) or 502.
 #pragma once
@@ -31,18 +31,18 @@ struct Response;
 
 namespace cyclorama::watch {
 
-/// Threads: those of HttpServer, of which watchers occupy at most kMaxWatchers. Thread-bound.
+/// Serves the farm over HTTP. Threads: those of HttpServer; watchers occupy at most kMaxWatchers of them. Thread-bound.
 class WatchServer {
  public:
   static constexpr int kMaxWatchers = 4;
 
-  /// Sources of the content; borrowed, thread-safe.
+  /// Sources of the content; borrowed and thread-safe.
   struct Sources {
     std::function<wire::ProcessStatus()> status;
     const FarmMetrics& metrics;
-    SessionPictures& pictures;  ///< Closed by stop().
+    SessionPictures& pictures;  ///< stop() closes them.
   };
-  /// Errors as HttpServer::start().
+  /// Errors: those of HttpServer::start().
   static Result<std::unique_ptr<WatchServer>> start(const std::string& address, Access access, Sources sources);
   ~WatchServer();
   WatchServer(const WatchServer&) = delete;
@@ -55,7 +55,7 @@ class WatchServer {
  private:
   WatchServer(Access access, Sources sources) : access_(std::move(access)), sources_(std::move(sources)) {}
   void add_routes(httplib::Server& server);
-  /// Answers a request that is not admitted; returns true if it did.
+  /// Answers a request that is not permitted. Returns true if it answered.
   bool turn_away(const httplib::Request& request, httplib::Response& response) const;
   void answer_picture(std::uint64_t session, bool half, httplib::Response& response) const;
   void answer_pictures(std::uint64_t session, bool half, httplib::Response& response);

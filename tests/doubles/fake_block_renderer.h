@@ -19,10 +19,11 @@
 
 namespace cyclorama {
 
-/// State shared by all renderers of one fake node, so that a test can hold them and count. Thread-safe.
+/// State that all renderers of a fake node share, with which a test holds them and counts their work. Thread-safe.
 class FakeRendering {
  public:
-  /// While the gate is closed, every render() waits at its first cell until it is opened or cancelled.
+  /// Opens or closes the gate. While it is closed, every rendering waits at its first cell until it is opened or
+  /// cancelled.
   void set_gate(bool open) {
     {
       const std::lock_guard lock(mutex_);
@@ -30,7 +31,7 @@ class FakeRendering {
     }
     changed_.notify_all();
   }
-  /// Closes the gate after this many more rectangles are rendered.
+  /// Closes the gate once this many more rects are rendered.
   void close_gate_after(int rects) {
     const std::lock_guard lock(mutex_);
     rects_left_ = rects;
@@ -44,7 +45,7 @@ class FakeRendering {
     if (rects_left_ > 0) --rects_left_;
     return true;
   }
-  /// Sets a call that the rendering thread makes before each cell of a film; null for none.
+  /// Sets a function that the rendering thread calls before each cell of a film; null for none.
   void set_before_cell(std::function<void()> call) {
     const std::lock_guard lock(mutex_);
     before_cell_ = std::move(call);
@@ -61,17 +62,17 @@ class FakeRendering {
     const std::lock_guard lock(mutex_);
     used_light_ = version;
   }
-  /// Returns the version that pictures read last; empty if none did.
+  /// Returns the version of the light that pictures used last; empty if none did.
   [[nodiscard]] std::string used_light() {
     const std::lock_guard lock(mutex_);
     return used_light_;
   }
   std::atomic<int> renders = 0;
-  std::atomic<int> samples = 0;              ///< Total of all films but denoised ones.
-  std::atomic<int> film_cells = 0;           ///< Rendered cells of films, counting repetitions.
-  std::atomic<bool> lacks_memory = false;    ///< Whatever is rendered throws std::bad_alloc.
-  std::atomic<bool> can_have_light = false;  ///< Scenes could have light that is computed ahead.
-  std::atomic<bool> refuses_light = false;   ///< Every file of light is damaged.
+  std::atomic<int> samples = 0;              ///< Total samples of all films, except denoised ones.
+  std::atomic<int> film_cells = 0;           ///< Number of rendered cells of films, counting repetitions.
+  std::atomic<bool> lacks_memory = false;    ///< True if every rendering throws std::bad_alloc.
+  std::atomic<bool> can_have_light = false;  ///< True if the light of scenes can be computed ahead.
+  std::atomic<bool> refuses_light = false;   ///< True if every file of light is rejected as damaged.
 
  private:
   std::mutex mutex_;
@@ -82,7 +83,7 @@ class FakeRendering {
   int rects_left_ = -1;
 };
 
-/// Returns the depth that every fake renderer gives these cells of a picture: no two neighbours are alike.
+/// Returns the depth that every fake renderer gives to these cells of a picture. Neighbouring cells differ.
 inline InverseDepthImage fake_depth(const PixelRect& cells) {
   InverseDepthImage depth(cells.width, cells.height);
   for (int y = 0; y < cells.height; ++y) {
@@ -93,7 +94,7 @@ inline InverseDepthImage fake_depth(const PixelRect& cells) {
   return depth;
 }
 
-/// Renders a pattern that depends on the pixel, its samples and every field of the view, and on nothing else.
+/// Renders a pattern that depends only on the pixel, its samples and every field of the view.
 class FakeBlockRenderer final : public node::BlockRenderer {
  public:
   explicit FakeBlockRenderer(std::shared_ptr<FakeRendering> shared, std::uint64_t memory_bytes = 1000)
@@ -106,7 +107,7 @@ class FakeBlockRenderer final : public node::BlockRenderer {
     return std::make_unique<Negative>(*this, view, rect);
   }
   /// Renders a different pattern for every range, in inexact sums. Checks for cancellation before each cell, as the
-  /// real one does.
+  /// real renderer does.
   render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,
                                  const governor::SampleRange& samples, render::Film* film,
                                  const std::function<bool()>& cancelled) override {
@@ -120,7 +121,7 @@ class FakeBlockRenderer final : public node::BlockRenderer {
   }
   [[nodiscard]] wire::SceneDescription description() const override { return fake_scene(""); }
   [[nodiscard]] bool can_have_light() const override { return shared_->can_have_light; }
-  /// Any bytes are light.
+  /// Accepts any bytes as light.
   Result<node::VersionedLight> add_light(std::span<const std::byte> file, std::string_view name) override {
     if (shared_->refuses_light) return Error(ErrorCode::kBadData, std::string(name) + ": the file is damaged");
     node::VersionedLight light{node::version_of(file), file.size(), std::make_shared<light::LightStore>()};
@@ -134,8 +135,8 @@ class FakeBlockRenderer final : public node::BlockRenderer {
   [[nodiscard]] int bounces() const override { return 4; }
   [[nodiscard]] double probe_cpu_seconds() override { return 0.25; }
 
-  /// Reported cost of one sample of each pixel of a cell: similar to a ray tracer's, so that more nodes are worth their
-  /// overhead.
+  /// Reported cost of one sample of each pixel of a cell. It is similar to a ray tracer's, so that using more nodes is
+  /// worth their overhead.
   static constexpr float kCellSeconds = 0x1p-15f;
 
  private:

@@ -18,7 +18,7 @@
 
 namespace cyclorama {
 
-/// Progress of a successful calibration with `steps` patterns, each with the picture `jpeg`.
+/// Returns the progress messages of a successful calibration with `steps` patterns, each with the picture `jpeg`.
 inline std::vector<wire::CalibrateProgress> told_calibration(int steps, const std::string& jpeg) {
   std::vector<wire::CalibrateProgress> messages;
   for (int step = 0; step < steps; ++step) {
@@ -78,7 +78,8 @@ inline void tell_healing(InspectionService* inspection) {
   inspection->set_table(past);
 }
 
-/// Listens on [::1] for its whole life. Thread-safe, except for members that a test sets before the first request.
+/// Listens on [::1] as long as it exists. Thread-safe, except for the members that a test sets before the first
+/// request.
 class FakeCalibrator final : private wire::Calibrator::Service {
  public:
   FakeCalibrator() {
@@ -102,7 +103,7 @@ class FakeCalibrator final : private wire::Calibrator::Service {
   }
 
   InspectionService inspection{"calibrator"};
-  /// Counts realignment requests, and reverts corrections that it never made.
+  /// Counts realignment requests. Reverts `corrections`, none of which was really made.
   struct Healing final : wire::Healing::Service {
     grpc::Status Realign(grpc::ServerContext*, const wire::RealignRequest* order, wire::RealignReply* answer) override {
       if (order->undo()) {
@@ -114,7 +115,7 @@ class FakeCalibrator final : private wire::Calibrator::Service {
       return is_watching ? grpc::Status::OK
                          : grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "nothing watches the wall");
     }
-    /// Reports one camera that is located, and one that sees too little.
+    /// Reports one camera that is located and one that sees too little.
     grpc::Status PlaceCameras(grpc::ServerContext* context, const wire::PlaceCamerasRequest*,
                               wire::PlacedCameras* reply) override {
       while (is_placing && !context->IsCancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -127,18 +128,18 @@ class FakeCalibrator final : private wire::Calibrator::Service {
       reply->add_cameras()->set_trouble("camera 'right' sees no projector's light; turn it to the wall");
       return grpc::Status::OK;
     }
-    std::atomic<bool> is_placing{false};  ///< If true, placing continues until it is cancelled.
+    std::atomic<bool> is_placing{false};  ///< While true, PlaceCameras() waits.
     std::atomic<int> realigned{0};
     std::atomic<int> corrections{1};  ///< Number of corrections that can be undone.
     std::atomic<bool> is_watching{true};
   } healing;
 
-  // Set before the first request; read afterwards.
+  // To be set before the first request, and only read afterwards:
   std::vector<wire::CalibrateProgress> messages = told_calibration(4, "a picture");
   Duration step_takes = Duration::zero();  ///< Delay after each message.
-  std::atomic<bool> is_held{false};        ///< While true, waits after the current message until it is cancelled.
+  std::atomic<bool> is_held{false};        ///< While true, a call waits after its current message.
   grpc::Status end = grpc::Status::OK;
-  std::string restored_date = "2026-10-01";  ///< Empty if there is none.
+  std::string restored_date = "2026-10-01";  ///< Date of the restored calibration; empty if there is none.
   std::vector<wire::CalibrateRequest> orders;
   std::vector<std::string> answers;
 
@@ -150,7 +151,7 @@ class FakeCalibrator final : private wire::Calibrator::Service {
     changed_.notify_all();
     for (const wire::CalibrateProgress& message : messages) {
       writer->Write(message);
-      // Continues once an answer arrives.
+      // A question is followed by the next message only once an answer has arrived.
       const std::size_t heard = answers.size();
       while (!message.question().empty() && answers.size() == heard && !context->IsCancelled())
         changed_.wait_for(lock, std::chrono::milliseconds(2));

@@ -7,7 +7,7 @@
 
 namespace cyclorama {
 
-/// Time that advances only by the test or by a thread that waits on it. Thread-safe.
+/// A clock that advances only if a test advances it or a thread waits on it. Thread-safe.
 class FakeClock final : public Clock {
  public:
   explicit FakeClock(TimePoint start = TimePoint(std::chrono::seconds(1000))) : now_(start) {}

@@ -24,7 +24,7 @@ namespace cyclorama {
 
 inline Panorama fake_wall(int width_px = 320) { return {width_px, width_px / 2, 2.0, 0.5, -0.5}; }
 
-/// Connected from construction on. Thread-safe.
+/// Connected from its construction. Thread-safe.
 class FakeDisplay {
  public:
   struct Frame {
@@ -59,7 +59,7 @@ class FakeDisplay {
     context_.TryCancel();
     if (reader_.joinable()) reader_.join();
   }
-  /// Sends a clock question; `question` also carries the display's synchronisation statistics.
+  /// Sends a clock request, which also carries the display's synchronisation statistics.
   void ask(const wire::ClockRequest& question) {
     wire::DisplayReport report;
     *report.mutable_clock() = question;
@@ -144,7 +144,8 @@ class FakeDisplay {
       wrongs_.push_back("the first message is not a heading");
     } else if (message.has_begin()) {
       if (open) wrongs_.push_back("a frame begins inside another");
-      // A frame that was given up may be requested again, and a complete one refined, under its number.
+      // A frame that was given up may be requested again under its number, and a complete one may be refined under its
+      // number.
       if (!frames_.empty() && message.begin().number() < frames_.back().view.number())
         wrongs_.push_back("an older frame");
       frames_.push_back({message.begin(), 0, 0, false, false, {}});
@@ -175,7 +176,7 @@ class FakeDisplay {
   std::unique_ptr<grpc::ClientReaderWriter<wire::DisplayReport, wire::ShowMessage>> stream_;
 
   std::mutex writing_;
-  mutable std::mutex mutex_;  ///< Guards the members below.
+  mutable std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;
   bool reading_ = true;
   bool over_ = false;

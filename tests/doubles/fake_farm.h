@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A coordinator on [::1] without nodes that answers every view with tiles of one plain colour, as scripted.
+/// A coordinator on [::1] without nodes. Answers every view with tiles of one plain colour, as scripted.
 #pragma once
 
 #include <grpcpp/server_context.h>
@@ -24,7 +24,7 @@
 
 namespace cyclorama {
 
-/// Listens from construction on, on a free port or on the given one (so that a test can restart it). Thread-safe.
+/// Listens from its construction, on a free port or on the given one, so that a test can restart it. Thread-safe.
 class FakeFarm final : public wire::Farm::Service {
  public:
   explicit FakeFarm(wire::SceneDescription scene = fake_scene("plain"), int port = 0) : scene_(std::move(scene)) {
@@ -40,9 +40,9 @@ class FakeFarm final : public wire::Farm::Service {
   [[nodiscard]] int port() const { return port_; }
   [[nodiscard]] std::string address() const { return "[::1]:" + std::to_string(port_); }
 
-  // The script, which may be changed at any time.
+  // The script, which may be changed at any time:
 
-  /// Frames are answered only while the gate is open; while it is closed, views are received and wait.
+  /// Opens or closes the gate. While it is closed, views are received, but not answered.
   void set_gate(bool open) {
     change([&] { gate_open_ = open; });
   }
@@ -50,8 +50,8 @@ class FakeFarm final : public wire::Farm::Service {
   void set_frame_time(Duration min, Duration max) {
     change([&] { frame_time_ = {min, max}; });
   }
-  /// Switches to pictures of upright stripes that stand still in the scene, so that only a turn, not a new frame,
-  /// changes the visible picture. Cylindrical panoramas only.
+  /// Switches to pictures of vertical stripes that are fixed in the scene, so that only a turn changes the visible
+  /// picture, and a new frame does not. Only for cylindrical panoramas.
   void set_striped(bool striped) {
     change([&] { striped_ = striped; });
   }
@@ -59,7 +59,7 @@ class FakeFarm final : public wire::Farm::Service {
   void refuse_sessions(grpc::Status status) {
     change([&] { refusal_ = std::move(status); });
   }
-  /// Sends the next frame's `begin` and this many tiles, and then breaks the stream.
+  /// Makes the next frame end after its `begin` and this many tiles, when the stream breaks.
   void break_next_frame_after(int tiles) {
     change([&] { break_after_ = tiles; });
   }
@@ -69,7 +69,7 @@ class FakeFarm final : public wire::Farm::Service {
     server_->stop(Duration::zero());
   }
 
-  // Recorded events.
+  // Recorded events:
 
   [[nodiscard]] std::vector<wire::View> views() const {
     const std::lock_guard lock(mutex_);
@@ -83,13 +83,13 @@ class FakeFarm final : public wire::Farm::Service {
     const std::lock_guard lock(mutex_);
     return last_open_;
   }
-  /// Waits until `count` views have arrived in all sessions together; false at the deadline.
+  /// Waits until `count` views have arrived in all sessions together. Returns false at the deadline.
   bool wait_for_views(std::size_t count, Duration limit = std::chrono::seconds(10)) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, limit, [&] { return views_.size() >= count; });
   }
 
-  /// Returns the colour of frame `number`: sRGB, R G B.
+  /// Returns the colour of frame `number` as sRGB in the order R, G, B.
   static void colour_of(std::uint64_t number, std::uint8_t (&ret_rgb)[3]) {
     for (unsigned i = 0; i < 3; ++i) ret_rgb[i] = static_cast<std::uint8_t>(40 + (number * (37 + 20 * i)) % 200);
   }

@@ -13,12 +13,13 @@
 
 namespace cyclorama {
 
-/// A test sets and observes here what a node computes of light. Setters are for the test's thread.
+/// The state of the light computations of a fake node, which a test sets and observes. Setters are for the test's
+/// thread.
 struct FakeLight {
-  std::vector<std::string> begun{};  ///< Scenes, in order.
-  std::filesystem::path file{};      ///< File of the last one.
+  std::vector<std::string> begun{};  ///< Scenes whose computation was started, in order.
+  std::filesystem::path file{};      ///< File of the last computation.
   std::atomic<bool> is_paused = false;
-  std::atomic<bool> is_ended = false;  ///< The computation was destroyed.
+  std::atomic<bool> is_ended = false;  ///< True if the last computation was destroyed.
   double done_share = 0.0;
   std::vector<node::LightEvent> events{};  ///< Events for its next report.
   std::vector<std::string> orders{};       ///< Orders that it received, such as "compute 2-17".

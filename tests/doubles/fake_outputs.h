@@ -7,8 +7,8 @@
 
 namespace cyclorama {
 
-/// Outputs in memory that a test can make fail, and keep from being opened again. Thread-safe; it must outlive its
-/// outputs.
+/// Opens outputs in memory, which a test can make fail, and can prevent from being opened again. Thread-safe. Must
+/// outlive its outputs.
 class FakeOutputs {
  public:
   Result<std::unique_ptr<output::Output>> open(const output::HeadlessOptions& options, const Clock& clock) {
@@ -20,7 +20,7 @@ class FakeOutputs {
   void lose() { is_lost_ = true; }
   void find() { is_lost_ = false; }
   [[nodiscard]] int attempts() const { return attempts_; }
-  /// Simulates a graphics driver that never returns; waits until a refresh hangs.
+  /// Simulates a graphics driver that never returns. Waits until a refresh hangs.
   void hang() {
     is_in_refresh_ = false;
     hangs_ = true;

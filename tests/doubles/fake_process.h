@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A process with only an InspectionService on [::1], and a Tour that records steering.
+/// A process that has only an InspectionService on [::1] and a Tour that records steering.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace cyclorama {
 
-/// Returns a visible picture: a ramp, shifted by `shift_px`.
+/// Returns a distinguishable picture: a ramp, shifted by `shift_px`.
 inline std::shared_ptr<const RgbImage> ramp_picture(int shift_px, int width = 64, int height = 32) {
   auto picture = std::make_shared<RgbImage>(width, height);
   for (int y = 0; y < height; ++y) {
@@ -25,7 +25,7 @@ inline std::shared_ptr<const RgbImage> ramp_picture(int shift_px, int width = 64
   return picture;
 }
 
-/// Thread-safe.
+/// Listens on [::1] from its construction. Thread-safe.
 class FakeProcess final : public wire::Tour::Service {
  public:
   explicit FakeProcess(const std::string& name, int port = 0) : inspection(name) {

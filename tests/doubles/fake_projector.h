@@ -18,11 +18,10 @@
 
 namespace cyclorama {
 
-/// A projector's network port on this machine: sends a greeting, reads one line, answers. Thread-safe.
+/// The network port of a projector, on this machine: sends a greeting, reads one line, and answers. Thread-safe.
 class FakeProjector {
  public:
-  /// Returns the greeting, and the answer to a line (without its carriage return); an empty answer closes the
-  /// connection.
+  /// Returns the answer to a line, which has no carriage return. An empty answer closes the connection.
   using Answer = std::function<std::string(const std::string& line)>;
   FakeProjector(std::string greeting, Answer answer) : greeting_(std::move(greeting)), answer_(std::move(answer)) {
     listener_ = UniqueFd(::socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0));
@@ -69,7 +68,7 @@ class FakeProjector {
   int port_ = 0;
   mutable std::mutex mutex_;
   std::vector<std::string> heard_;
-  std::jthread thread_;  // Last member: it ends before the members that it uses.
+  std::jthread thread_;  // Last member, because the thread uses all others.
 };
 
 }  // namespace cyclorama

@@ -8,7 +8,7 @@
 
 namespace cyclorama {
 
-/// Returns a scene with a walkable square of 20 m.
+/// Returns a scene whose walkable area is a square of 20 m.
 inline wire::SceneDescription fake_scene(const std::string& name) {
   wire::SceneDescription scene;
   scene.set_name(name);

@@ -5,8 +5,8 @@
 
 namespace cyclorama {
 
-/// Another computer's clock: ahead of the machine's by `skew` at construction, and faster by `drift_ppm` since then.
-/// Thread-safe.
+/// The clock of another computer: ahead of the machine's clock by `skew` at construction, and faster by `drift_ppm`
+/// from then on. Thread-safe.
 class FakeSkewedClock final : public Clock {
  public:
   FakeSkewedClock(Duration skew, double drift_ppm) : skew_(skew), rate_(1.0 + 1e-6 * drift_ppm) {}

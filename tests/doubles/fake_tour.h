@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A tour that sends displays the messages of a test.
+/// A tour that sends a test's messages to displays.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace cyclorama {
 
-/// Listens on [::1] from start() on. Accepts one display at a time. Thread-safe.
+/// Listens on [::1] from start(). Accepts one display at a time. Thread-safe.
 class FakeTour final : private wire::Tour::Service {
  public:
   static std::unique_ptr<FakeTour> start(const std::string& address = "[::1]:0") {
@@ -36,7 +36,7 @@ class FakeTour final : private wire::Tour::Service {
   bool wait_for_display() {
     return wait_until([this] { return stream_ != nullptr && has_hello_; });
   }
-  /// Sends to the connected display; false if there is none.
+  /// Sends a message to the connected display. Returns false if there is none.
   bool send(const wire::ShowMessage& message) {
     const std::lock_guard lock(mutex_);
     return stream_ != nullptr && stream_->Write(message);
@@ -68,7 +68,7 @@ class FakeTour final : private wire::Tour::Service {
   bool wait_for_questions(std::size_t count) {
     return wait_until([&] { return questions.size() >= count; });
   }
-  /// Its clock is one hour ahead of the machine's.
+  /// Returns the tour's time, which is one hour ahead of the machine's.
   static std::int64_t now_ns() { return to_nanoseconds(SteadyClock().now() + std::chrono::hours(1)); }
 
   // Read only after a wait that excludes further messages.
@@ -76,7 +76,7 @@ class FakeTour final : private wire::Tour::Service {
   int displays = 0;
   std::vector<wire::FramePresented> presented;
   std::vector<wire::FrameDropped> dropped;
-  std::vector<wire::ClockRequest> questions;  ///< Read only while no display is connected, since more keep coming.
+  std::vector<wire::ClockRequest> questions;  ///< Read only while no display is connected, because more keep arriving.
 
  private:
   using Stream = grpc::ServerReaderWriter<wire::ShowMessage, wire::DisplayReport>;

@@ -14,7 +14,7 @@
 
 namespace cyclorama {
 
-/// Thread-bound.
+/// Connected from its construction. Thread-bound.
 class FakeTracker {
  public:
   explicit FakeTracker(const std::string& tour) {
@@ -31,7 +31,7 @@ class FakeTracker {
   FakeTracker(const FakeTracker&) = delete;
   FakeTracker& operator=(const FakeTracker&) = delete;
 
-  /// Reports a centred tag `distance_m` before the camera that points `yaw_rad` to the visitor's right.
+  /// Reports a centred tag at a distance of `distance_m` from the camera, turned by `yaw_rad` to the visitor's right.
   bool see(double distance_m, double yaw_rad) {
     wire::TrackedPose pose = picture();
     pose.set_found(true);

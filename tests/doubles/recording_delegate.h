@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-/// Records the messages of CoordinatorState and their receivers. Thread-bound.
+/// Records the messages of CoordinatorState by receiver. Thread-bound.
 class RecordingDelegate final : public coordinator::CoordinatorDelegate {
  public:
   std::map<coordinator::NodeId, std::deque<wire::NodeCommand>> commands;

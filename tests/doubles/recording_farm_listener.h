@@ -30,7 +30,7 @@ class RecordingFarmListener final : public client::FarmListener {
     const std::lock_guard lock(mutex_);
     return seen_;
   }
-  /// Waits until `enough` is true, evaluated at each event and periodically; false on timeout.
+  /// Waits until `enough` returns true; it is called at each event and periodically. Returns false at the deadline.
   template <typename Predicate>
   bool wait(Predicate&& enough, Duration limit = std::chrono::seconds(20)) {
     const TimePoint deadline = SteadyClock().now() + limit;
@@ -70,7 +70,7 @@ class RecordingFarmListener final : public client::FarmListener {
     }
     changed_.notify_all();
   }
-  Frame open_;  ///< Accessed only by the client's thread.
+  Frame open_;  ///< Client's thread only.
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   Seen seen_;

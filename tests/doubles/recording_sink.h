@@ -11,13 +11,13 @@
 
 namespace cyclorama::generator {
 
-/// Summary of one file, so that a grotto of any size can be checked without storing it.
+/// A summary of one file, with which a grotto of any size can be checked without storing it.
 struct RecordedFile {
   generator::GeometryCounts promised;
   generator::GeometryCounts arrived;
   std::uint64_t digest = 14695981039346656037u;  ///< FNV-1a over positions, normals, colours and indices, in order.
-  std::uint64_t bad_numbers = 0;  ///< Vertices that are not finite, or whose normal is not of unit length.
-  std::uint64_t bad_indices = 0;  ///< Triangles that name a vertex twice or a vertex that does not exist.
+  std::uint64_t bad_numbers = 0;  ///< Number of vertices that are not finite or whose normal is not of unit length.
+  std::uint64_t bad_indices = 0;  ///< Number of triangles that name a vertex twice or name one that does not exist.
   std::size_t max_call = 0;       ///< Maximum number of vertices or triangles in one call.
   std::array<float, 3> low{1e9f, 1e9f, 1e9f};
   std::array<float, 3> high{-1e9f, -1e9f, -1e9f};
@@ -35,7 +35,7 @@ class RecordingSink final : public generator::GeometrySink {
     return std::unique_ptr<generator::GeometryFile>(std::make_unique<File>(file));
   }
 
-  /// Valid once all files are finished.
+  /// Returns the summaries; valid once all files are finished.
   [[nodiscard]] const std::map<std::string, RecordedFile>& files() const { return files_; }
 
  private:

@@ -9,7 +9,7 @@
 
 namespace cyclorama {
 
-/// Returns the test's frames one after the other without waiting, and then times out on every call.
+/// Returns the test's frames one after another without waiting; then every call times out.
 class ScriptedCamera final : public camera::Camera {
  public:
   using Step = Result<std::shared_ptr<const camera::CameraFrame>>;

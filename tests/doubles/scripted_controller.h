@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A motor controller at the other end of a pseudo-terminal, which answers as Marlin's firmware does, or as a script
+/// A motor controller at the other end of a pseudo-terminal. It answers as Marlin's firmware does, or as a script
 /// determines.
 #pragma once
 
@@ -25,15 +25,15 @@
 
 namespace cyclorama {
 
-/// Thread-safe.
+/// Answers from its construction. Thread-safe.
 class ScriptedController {
  public:
-  /// Replaces the regular answer: none (regular answer), some text, silence (empty), or a closed line.
+  /// Replaces the regular answer by a text, by silence (an empty text), or by a closed line.
   struct Fault {
     std::optional<std::string> says = std::nullopt;
     bool hangs_up = false;
   };
-  /// Called for each line; `number` counts lines from 0.
+  /// Called for each line. `number` counts the lines from 0. Returns nothing for the regular answer.
   using Script = std::function<std::optional<Fault>(std::size_t number, const std::string& line)>;
 
   explicit ScriptedController(Script script = {}) : script_(std::move(script)) {
@@ -42,7 +42,7 @@ class ScriptedController {
     std::array<char, 128> name{};
     CHECK(::ptsname_r(master_.get(), name.data(), name.size()) == 0);
     device_ = name.data();
-    // Prevents a hang-up before the terminal is opened, and disables echo.
+    // Keeps the terminal open, so that it does not hang up before the program opens it. cfmakeraw() disables echo.
     held_.reset(::open(device_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
     CHECK(held_.is_open());
     termios settings{};
@@ -57,9 +57,9 @@ class ScriptedController {
     const std::lock_guard lock(mutex_);
     return heard_;
   }
-  /// Position in units of the axis.
+  /// Returns the position in units of the axis.
   [[nodiscard]] double position() const { return position_; }
-  /// Blocks the turntable, so that it does not move.
+  /// Blocks the turntable, so that it does not move, or releases it.
   void block(bool is_blocked) { is_blocked_ = is_blocked; }
 
  private:

@@ -17,8 +17,8 @@
 
 namespace cyclorama {
 
-/// Listens on [::1] from construction on, on a free port or on the given one (so that a test can restart it), and
-/// accepts one node at a time. Thread-safe.
+/// Listens on [::1] from its construction, on a free port or on the given one, so that a test can restart it. Accepts
+/// one node at a time. Thread-safe.
 class ScriptedCoordinator final : public wire::Nodes::Service {
  public:
   explicit ScriptedCoordinator(int port = 0) {
@@ -33,19 +33,19 @@ class ScriptedCoordinator final : public wire::Nodes::Service {
   [[nodiscard]] int port() const { return server_->port(); }
   [[nodiscard]] std::string address() const { return "[::1]:" + std::to_string(port()); }
 
-  /// Precondition: a node is connected.
+  /// Sends a command. Precondition: a node is connected.
   void order(const wire::NodeCommand& command) {
     const std::lock_guard lock(mutex_);
     CHECK(stream_ != nullptr);
     stream_->Write(command);
   }
-  /// Waits until the predicate holds for all reports so far; false at the deadline.
+  /// Waits until the predicate is true for all reports so far. Returns false at the deadline.
   bool wait(const std::function<bool(const std::vector<wire::NodeReport>&)>& content,
             Duration limit = std::chrono::seconds(20)) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, limit, [&] { return content(reports_); });
   }
-  /// Waits until nodes have ended `streams` streams regularly.
+  /// Waits until nodes have ended `streams` streams normally. Returns false at the deadline.
   bool wait_for_ended(int streams, Duration limit = std::chrono::seconds(20)) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, limit, [&] { return ended_ >= streams; });

@@ -10,8 +10,8 @@
 
 namespace cyclorama {
 
-/// Checks all guarantees of Balancer::split(): the blocks tile the picture, on the grid, in the order of the nodes,
-/// with stealable ones last for each node.
+/// Checks all guarantees of Balancer::split(): the blocks tile the picture on the grid, in the order of the nodes, and
+/// the stealable blocks of each node come last.
 inline testing::AssertionResult is_whole_plan(balance::PictureSize size, std::size_t nodes,
                                               const std::vector<balance::PlannedBlock>& plan) {
   balance::WorkGrid taken(size);

@@ -24,7 +24,7 @@ calibration::BrownParameters parameters_of(const simulated::TrueLens& lens) {
           lens.tangential()[0], lens.tangential()[1], lens.radial()[2]};
 }
 
-/// Places a camera beside each projector, with the same line of sight.
+/// Returns one camera beside each projector, with the projector's line of sight.
 std::vector<simulated::FixedCamera> fixed_cameras(const simulated::Preset& preset, const BumpedShowOptions& options) {
   std::vector<simulated::FixedCamera> cameras;
   for (const simulated::TrueProjector& projector : preset.truth.projectors) {
@@ -46,7 +46,7 @@ std::vector<simulated::FixedCamera> fixed_cameras(const simulated::Preset& prese
   return cameras;
 }
 
-/// The truth as a calibration, except for light, whose responses are assumed as the calibrator does.
+/// Returns the truth as a calibration, except for light: responses are those that the calibrator assumes.
 calibration::ShowCalibration true_room(const simulated::Preset& preset,
                                        const std::vector<simulated::FixedCamera>& cameras) {
   calibration::ShowCalibration made;
@@ -79,7 +79,7 @@ double noise_at(std::uint32_t seed, int x, int y) {
   return static_cast<double>(h >> 11) * 0x1p-53;
 }
 
-/// Smooth between lattice points; periodic in x with `period` of them.
+/// Returns noise that is smooth between lattice points and has period `period` in x.
 double smooth_noise(std::uint32_t seed, double x, double y, int period) {
   const int x0 = static_cast<int>(std::floor(x));
   const int y0 = static_cast<int>(std::floor(y));
@@ -144,7 +144,7 @@ BumpedShow::BumpedShow(const BumpedShowOptions& options, ShowContent content, si
       installation_text_(std::move(installation_text)) {
   for (const calibration::ShowProjector& projector : calibrator_->applied().projectors)
     draws_for_.push_back(projector.T_room_projector);
-  // A display draws with the measured map, which includes deviations that the model lacks; the map's own errors remain.
+  // A display draws with the measured map, which includes deviations that the model lacks. The map's own errors remain:
   simulated::RandomStream draws = simulated::RandomStream(options.seed).stream("map");
   for (std::size_t i = 0; i < heads_.size(); ++i) {
     const calibration::ShowProjector& projector = calibrator_->applied().projectors[i];
@@ -215,7 +215,7 @@ RgbImage BumpedShow::draw(std::size_t index) const {
         if (there && &other != &projector) sum += inwardness(other.lens, *there);
       }
       const double own = inwardness(projector.lens, pixel);
-      // Code value for the fraction of light, with a gamma of 2.2.
+      // Code value for this fraction of light, with a gamma of 2.2.
       node.mask = sum + own > 0.0 ? static_cast<float>(std::pow(own / (sum + own), 1.0 / 2.2)) : 0.0f;
     }
   }
@@ -233,7 +233,7 @@ RgbImage BumpedShow::draw(std::size_t index) const {
       float v = 0.0f;
       float mask = 0.0f;
       for (int k = 0; k < 4; ++k) {
-        // The panorama wraps around: corners are unwrapped to be near the first.
+        // The panorama wraps around, so corners are shifted by a full turn if that brings them closer to the first one.
         float near = corner[k]->u;
         if (near - corner[0]->u > 0.5f * around) near -= around;
         if (near - corner[0]->u < -0.5f * around) near += around;
@@ -286,7 +286,7 @@ Result<healing::ShowMoment> BumpedShow::look() {
     is_same = calibration::step_between(drawn_for_[i], draws_for_[i]).norm() == 0.0;
   if (!is_same) {
     // The show turns shortly before the cameras take pictures; everything else changed earlier. A new listener gets
-    // states that have lasted for long.
+    // states that have lasted for a long time.
     Duration before = options_.period / 3;
     if (is_untold_) before = healing::ShowTimeline::kKept;
     if (heading_rad_ != drawn_heading_rad_) before = std::chrono::milliseconds(5);
@@ -295,20 +295,20 @@ Result<healing::ShowMoment> BumpedShow::look() {
     drawn_heading_rad_ = heading_rad_;
     is_changed_ = false;
     for (std::size_t i = 0; i < heads_.size(); ++i) {
-      // A display cannot detect that a lamp is off: it reports what it shows.
+      // A display cannot detect that a lamp is off, so it reports the picture that it draws.
       heads_[i] = std::make_shared<const RgbImage>(draw(i));
       TRY(room_->show(i, is_on_[i] ? RgbImage(*heads_[i]) : RgbImage()));
       moment.shown.push_back({i, now_ - exposure - before, heads_[i], number_ + 1});
     }
     ++number_;
   } else {
-    // A projector that moved shows its old picture: no display notices, and nothing is redrawn.
+    // A projector that moved shows its previous picture, because no display notices the movement.
     for (std::size_t i = 0; i < heads_.size(); ++i) {
       if (is_moved_[i]) TRY(room_->show(i, is_on_[i] ? RgbImage(*heads_[i]) : RgbImage()));
     }
   }
   is_moved_.assign(heads_.size(), false);
-  // Displays are polled a moment later.
+  // Displays are polled a moment after the cameras.
   const Duration asked_after = std::min<Duration>(options_.period / 4, std::chrono::milliseconds(100));
   for (std::size_t i = 0; i < heads_.size(); ++i) moment.until.push_back({i, now_ + asked_after, number_});
   for (std::size_t i = 0; i < room_->cameras().size(); ++i) {
@@ -327,7 +327,7 @@ Status BumpedShow::restart() {
              learned ? healing::ContinuousCalibrator::resume(applied, *learned, options_.calibrator)
                      : healing::ContinuousCalibrator::make(applied, options_.calibrator));
   *calibrator_ = std::move(anew);
-  forget_told();  // The restarted process does not know what is being shown.
+  forget_told();  // The restarted process has no reports of what is shown.
   return Done{};
 }
 
@@ -375,7 +375,7 @@ double BumpedShow::off_px(std::size_t projector, const calibration::ShowProjecto
 }
 
 calibration::PoseStep drawn_bump(simulated::RandomStream* draws) {
-  // Uniform in the logarithm: 0.05 to 5 degrees, 1 to 100 mm.
+  // Uniform in the logarithm, from 0.05 to 5 degrees and from 1 to 100 mm:
   const auto log_between = [&](double min, double max) { return min * std::pow(max / min, draws->between(0.0, 1.0)); };
   calibration::PoseStep step = calibration::PoseStep::Zero();
   const int kind = static_cast<int>(draws->between(0.0, 7.0));

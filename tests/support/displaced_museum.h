@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A calibrated simulated museum, with later displacements.
+/// A calibrated simulated museum whose parts are displaced later.
 #pragma once
 
 #include <memory>
@@ -20,8 +20,8 @@ class DisplacedMuseum {
   [[nodiscard]] const simulated::Preset& preset() const { return preset_; }
   [[nodiscard]] simulated::MuseumTruth& truth() { return preset_.truth; }
 
-  /// Rotates about an axis through the projector's centre and translates; both vectors are in its own frame, of any
-  /// length.
+  /// Rotates a projector about an axis through its centre, and translates it. Both vectors are in the projector's
+  /// frame; their lengths are ignored.
   void push(std::size_t projector, double angle_rad, const Eigen::Vector3d& axis, double by_m,
             const Eigen::Vector3d& towards) {
     auto& pose = preset_.truth.projectors[projector].T_room_projector;
@@ -35,14 +35,14 @@ class DisplacedMuseum {
     lens.centre_v_px += shift_px;
     p.lens = simulated::TrueLens(lens);
   }
-  /// Moves the turntable, as when the tripod is put back on its marks inexactly.
+  /// Moves the turntable, as when a tripod is not put back exactly on its marks.
   void put_turntable_elsewhere(const Eigen::Vector3d& by_m, double heading_rad) {
     auto& pose = preset_.truth.turntable.T_room_turntable;
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(heading_rad, Eigen::Vector3d::UnitY()));
     pose = {pose.rotation() * turn, pose.translation() + by_m};
   }
 
-  /// Calls `body`(museum, devices, settings) with the museum in its current state.
+  /// Calls `body`(museum, devices, settings) with the museum in its present state.
   template <typename Body>
   Status inside(const Body& body) const {
     TRY_ASSIGN(simulated::SimulatedMuseum museum,
@@ -64,7 +64,7 @@ class DisplacedMuseum {
   double pitch_rad_;
 };
 
-/// True score of a folder's calibration.
+/// Returns the true score of a calibration.
 inline MuseumScore score_of(const simulated::SimulatedMuseum& museum, const calibration::Calibration& calibration) {
   return museum_score(museum.truth(), [&](std::size_t p, const Eigen::Vector2d& pixel) {
     return calibration.projectors[p].map.direction_at(pixel);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Writes E57 files: the pages with their checksums around a content.
+/// Writes E57 files: cuts the content into pages and adds their checksums.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ void put_number(std::string* bytes, Number value) {
   bytes->append(raw, sizeof value);
 }
 
-/// Bit by bit, and so another way than the reader's.
+/// Computes the checksum bit by bit, unlike the reader, so that the two are independent.
 inline std::uint32_t slow_crc32c(const char* bytes, std::size_t size) {
   std::uint32_t crc = ~0u;
   for (std::size_t i = 0; i < size; ++i) {
@@ -30,7 +30,7 @@ inline std::uint32_t slow_crc32c(const char* bytes, std::size_t size) {
   return ~crc;
 }
 
-/// Cuts a content, which begins with room for the header, into pages.
+/// Cuts the content, which begins with space for the header, into pages.
 inline std::string e57_pages_of(std::string content) {
   content.resize((content.size() + kE57ContentBytes - 1) / kE57ContentBytes * kE57ContentBytes);
   std::string file;
@@ -42,11 +42,11 @@ inline std::string e57_pages_of(std::string content) {
   return file;
 }
 
-/// A file with one scan: the XML, in which POINTS becomes the attributes of a CompressedVector, and the packets.
+/// Builds a file with one scan: packets, and the XML that describes them.
 struct E57Builder {
   std::string xml_before = "<?xml version=\"1.0\"?><e57Root type=\"Structure\"><data3D type=\"Vector\"><vectorChild>";
   std::string scan;       ///< Other children of the scan, such as its pose.
-  std::string prototype;  ///< Its fields.
+  std::string prototype;  ///< Fields of the points.
   std::string packets;
   std::uint64_t count = 0;
 

@@ -14,7 +14,7 @@
 
 namespace cyclorama {
 
-/// Reference of the two render passes, in double precision on the CPU and as simple as possible.
+/// CPU reference of the two render passes, in double precision and as simple as possible.
 class ExactPicture {
  public:
   ExactPicture(const PlanarPicture& picture, const PictureShape& shape, double yaw_shift_rad)
@@ -31,8 +31,8 @@ class ExactPicture {
     }
   }
 
-  /// Linear light at the head's pixel before the mask; nothing where it is left out. The position in the picture is
-  /// shifted by `off_u`, `off_v` pixels.
+  /// Returns the linear light at a pixel of the head, before the mask; nothing if the pixel is not drawn. The position
+  /// in the picture is shifted by (`off_u`, `off_v`) pixels.
   [[nodiscard]] std::optional<Eigen::Vector3d> light_at(const warp::Warp& warp, int x, int y, double off_u = 0.0,
                                                         double off_v = 0.0) const {
     const auto position = among_centres(warp, x, y);
@@ -41,14 +41,14 @@ class ExactPicture {
     const double v = position->y() + off_v;
     return Eigen::Vector3d(light(u, v, 0), light(u, v, 1), light(u, v, 2));
   }
-  /// Vector from the position of a head's pixel in the picture to the nearest pixel centre there, in pixels: the light
-  /// has its extremes at centres. Zero where it is left out.
+  /// Returns the vector from the position of a head's pixel in the picture to the nearest pixel centre, in pixels of
+  /// the picture; zero if the pixel is not drawn. The light has its extremes at pixel centres.
   [[nodiscard]] Eigen::Vector2d to_centre(const warp::Warp& warp, int x, int y) const {
     const auto position = among_centres(warp, x, y);
     return position ? Eigen::Vector2d(position->array().round() - position->array()) : Eigen::Vector2d(0.0, 0.0);
   }
-  /// Code values in [0, 1], not rounded; black where it is left out. Each light that contributes to the head's colours
-  /// has a relative error of `error`, in the direction with the largest effect.
+  /// Returns unrounded code values in [0, 1]; black if the pixel is not drawn. Each light that contributes to the
+  /// head's colours has a relative error of `error`, in the direction with the largest effect.
   [[nodiscard]] Eigen::Vector3d code_at(const display::HeadPlan& plan, int x, int y, double off_u = 0.0,
                                         double off_v = 0.0, double error = 0.0) const {
     const auto seen = light_at(plan.warp, x, y, off_u, off_v);
@@ -63,16 +63,16 @@ class ExactPicture {
                                            error * (max + black_lift * plan.colour.black));
   }
 
-  /// Returns whether the pixel is not drawn.
+  /// Returns true if the pixel is not drawn.
   [[nodiscard]] bool is_black(const display::HeadPlan& plan, int x, int y) const {
     const double black_lift = plan.colour.black_lift ? static_cast<double>(*plan.colour.black_lift->at(x, y)) : 0.0;
     return (*plan.mask.at(x, y) == 0.0f && black_lift == 0.0) || !light_at(plan.warp, x, y);
   }
-  /// Minimum and maximum of the dither's contribution to a pixel's code values in [0, 1]; where its pattern jumps from
-  /// one end to the other, the jump may occur at this pixel or at the next.
+  /// Returns the minimum and maximum of the dither's contribution to a pixel's code values in [0, 1]. If the dither
+  /// pattern jumps from one end of its range to the other near this pixel, both ends are possible.
   [[nodiscard]] static std::pair<double, double> dither_at(const display::HeadPlan& plan, int x, int y) {
     if (!plan.is_dithered) return {0.0, 0.0};
-    constexpr double kLeap = 2e-3;  // Tolerance for a pattern that is computed in floats of up to some thousands.
+    constexpr double kLeap = 2e-3;  // Tolerance for a pattern that is computed in floats of up to several thousand.
     const double phase = (x + 0.5) * 0.7548776662 + (height_px(plan.warp) - y - 0.5) * 0.5698402910;
     const double at = phase - std::floor(phase) - 0.5;
     const double step = 1.0 / ((1 << plan.depth_bits) - 1);
@@ -93,7 +93,7 @@ class ExactPicture {
     const double px_per_rad = std::min(p.width_px, p.height_px) / p.field_rad;
     return {0.5 * p.width_px + px_per_rad * at.across, 0.5 * p.height_px - px_per_rad * at.up};
   }
-  static PanoramaPixel pixel_at(const Equirectangular&, const PicturePlace&) { return {}; }  // Never on a wall.
+  static PanoramaPixel pixel_at(const Equirectangular&, const PicturePlace&) { return {}; }  // Never used for a wall.
   static double linear(double code) { return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4); }
   static double chroma(const PlanarPicture& picture, const GreyImage& plane, int x, int y) {
     const double step = picture.has_half_chroma() ? 2.0 : 1.0;
@@ -113,7 +113,7 @@ class ExactPicture {
     return (1 - fy) * ((1 - fx) * at(x, y) + fx * at(x + 1, y)) +
            fy * ((1 - fx) * at(x, y + 1) + fx * at(x + 1, y + 1));
   }
-  /// Position of a head's pixel in the picture; pixel centres are integers.
+  /// Returns the position of a head's pixel in the picture; pixel centres are integers.
   [[nodiscard]] std::optional<Eigen::Vector2d> among_centres(const warp::Warp& warp, int x, int y) const {
     const auto seen = direction_at(warp, x, y);
     if (!seen) return std::nullopt;

@@ -33,7 +33,7 @@ inline wire::View view_of(std::uint64_t number, std::uint32_t width = 1024, std:
   return view;
 }
 
-/// A farm whose nodes and museums are advanced manually.
+/// A farm whose nodes and museums advance only when a test requests it.
 class FarmSimulation {
  public:
   explicit FarmSimulation(coordinator::CoordinatorLimits limits = {})
@@ -42,8 +42,8 @@ class FarmSimulation {
   FakeClock clock;
   RecordingDelegate delegate;
   coordinator::CoordinatorState state;
-  std::map<coordinator::SessionId, client::ViewWindow>
-      windows;  ///< The client's window; rejects violations of farm.proto.
+  /// The clients' windows, which reject violations of farm.proto.
+  std::map<coordinator::SessionId, client::ViewWindow> windows;
   std::map<coordinator::SessionId, std::uint64_t> answered;
   int complete = 0;
   int given_up = 0;
@@ -79,7 +79,7 @@ class FarmSimulation {
     request.mutable_open()->set_reference_samples(reference_samples);
     state.session_requested(id, request, clock.now());
     client::ViewWindow& window = windows[id];
-    // The client may request at once, while the reply is still pending.
+    // The client may request a view at once, while the reply is still pending.
     if (!delegate.replies[id].empty()) {
       EXPECT_TRUE(window.take(delegate.replies[id].front()));
     }
@@ -89,7 +89,7 @@ class FarmSimulation {
     windows.at(id).put(view);
     send_views(id);
   }
-  /// The museum takes one message; false if none is pending.
+  /// Makes the museum take one message. Returns false if none is pending.
   bool take(coordinator::SessionId id) {
     auto& queue = delegate.replies[id];
     if (queue.empty()) return false;
@@ -108,7 +108,7 @@ class FarmSimulation {
     send_views(id);
     return true;
   }
-  /// The node takes one step: a tile or a block's end; false if it has no work.
+  /// Makes the node take one step: a tile or a block's end. Returns false if the node has no work.
   bool work(coordinator::NodeId id, const std::string& error = "") {
     auto& queue = delegate.commands[id];
     for (const wire::NodeCommand& command : queue) {
@@ -142,7 +142,7 @@ class FarmSimulation {
     state.node_reported(id, report);
     return true;
   }
-  /// Runs until there is nothing left to do.
+  /// Runs the nodes and the museums until there is nothing left to do.
   void settle(const std::vector<coordinator::NodeId>& nodes) {
     for (bool moved = true; moved;) {
       moved = false;
@@ -154,15 +154,15 @@ class FarmSimulation {
   }
   wire::FrameEnd last_end;
   std::vector<wire::View> begun;  ///< Views of all frames that museums received.
-  std::map<std::uint64_t, std::pair<coordinator::NodeId, wire::RenderBlock>>
-      orders;  ///< Blocks that nodes have begun, by number.
+  /// Blocks that nodes have begun, by number.
+  std::map<std::uint64_t, std::pair<coordinator::NodeId, wire::RenderBlock>> orders;
   std::size_t tile_bytes = 10;
   std::size_t depth_bytes = 5;  ///< Size of a tile's depth, if the view requests it.
   bool sends_depth_unasked = false;
-  bool can_compute_light = false;                ///< Nodes could compute the scene's light.
-  std::uint64_t scene_memory_bytes = 0;          ///< The size that nodes report which are added from now on.
-  std::optional<std::uint32_t> scene_bounces{};  ///< Stated by nodes that load the scene.
-  std::map<coordinator::NodeId, double> slowed;  ///< Slowdown factor of each node by other work on its host.
+  bool can_compute_light = false;                ///< True if nodes can compute the scene's light.
+  std::uint64_t scene_memory_bytes = 0;          ///< Size of the scene that nodes report if they are added from now on.
+  std::optional<std::uint32_t> scene_bounces{};  ///< Number of bounces that nodes state when they load the scene.
+  std::map<coordinator::NodeId, double> slowed;  ///< Factor by which other work on its host slows a node down.
 
  private:
   bool end(coordinator::NodeId id, const wire::RenderBlock& order, const std::string& error) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Irradiance at a point: by sampling and in closed form.
+/// Irradiance at a point, by sampling and in closed form.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,7 +13,8 @@
 
 namespace cyclorama {
 
-/// Mean over many samples of light times cosine. `sample(choice, u, &LightSample)`; only the red channel counts.
+/// Returns the mean of light times cosine over many samples of `sample(choice, u, &LightSample)`. Uses only the red
+/// channel.
 template <typename Sample>
 [[nodiscard]] double sampled_irradiance(const Sample& sample, const render::Vec3& n, int samples = 1 << 14) {
   double sum = 0.0;
@@ -29,7 +30,7 @@ template <typename Sample>
   return sum / samples;
 }
 
-/// Irradiance by a diffuse polygon of radiance 1 above the horizon. Source: Lambert, 1760.
+/// Returns the irradiance from a diffuse polygon of radiance 1 above the horizon. Source: Lambert, 1760.
 [[nodiscard]] inline double polygon_irradiance(const std::vector<Eigen::Vector3d>& corners, const Eigen::Vector3d& n) {
   double sum = 0.0;
   for (std::size_t i = 0; i < corners.size(); ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Mean radiance of a view with its error: from pictures with different seeds, so that the error is right regardless of
-/// correlations between the samples of one picture.
+/// The mean radiance of a view and its error. The error comes from pictures with different seeds, so it is correct even
+/// if the samples of one picture are correlated.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ inline render::Film film_of(const render::Renderer& renderer, const render::Pano
   return film_of(renderer, view, {0, 0, view.picture().width_px(), view.picture().height_px()});
 }
 
-/// Mean over all channels of pictures with seeds 1 to `pictures`.
+/// Returns the mean over all channels of the pictures with seeds 1 to `pictures`.
 inline MeasuredLight measured(const render::Renderer& renderer, render::PanoramaView view, int pictures = 16) {
   double sum = 0.0;
   double square = 0.0;
@@ -48,8 +48,8 @@ inline MeasuredLight measured(const render::Renderer& renderer, render::Panorama
   return {mean, std::sqrt(std::max(0.0, square / pictures - mean * mean) / (pictures - 1))};
 }
 
-/// A deviation of five standard errors of 16 pictures has a probability of 1 in 6000 (Student's t with 15 degrees of
-/// freedom). Float rounding is allowed in addition.
+/// With 16 pictures, a deviation of more than five standard errors has a probability of 1 in 6000 (Student's t with 15
+/// degrees of freedom). kFloatLoss allows for rounding.
 inline constexpr double kMaxErrors = 5.0;
 inline constexpr double kFloatLoss = 2e-4;
 
@@ -60,7 +60,7 @@ inline void expect_same_light(const MeasuredLight& a, const MeasuredLight& b) {
   expect_light({a.mean, std::hypot(a.error, b.error)}, b.mean);
 }
 
-/// A view of 16 x 16 pixels that all see about the same point: (0, 0, 0), from (0, 1, 1).
+/// Returns a view of 16 x 16 pixels from (0, 1, 1) that all see about the same point, (0, 0, 0).
 inline render::PanoramaView view_of_one_point() {
   render::PanoramaView view = view_from({0, 1, 1}, 16, 16, -1.0 + 1e-4, -1.0 - 1e-4);
   view.panorama.azimuth_span_rad = 2e-4;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Bytes as a file in memory, for readers that need a path.
+/// A file in memory with given bytes, for readers that require a path.
 #pragma once
 
 #include <sys/mman.h>
@@ -15,7 +15,7 @@
 
 namespace cyclorama {
 
-/// Exists as long as the object; path() is valid until then.
+/// The file exists, and path() is valid, as long as this object exists.
 class MemoryFile {
  public:
   explicit MemoryFile(std::string_view bytes) : fd_(::memfd_create("memory_file", MFD_CLOEXEC)) {

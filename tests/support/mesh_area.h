@@ -9,7 +9,8 @@
 
 namespace cyclorama {
 
-/// Total area of all drawn triangles in square pixels; equals the picture's area if they cover it exactly once.
+/// Returns the total area of all drawn triangles in square pixels. It equals the area of the picture if they cover it
+/// exactly once.
 inline double area_px2(const warp::WarpMesh& mesh) {
   double area = 0.0;
   const std::vector<std::uint32_t> corners = mesh.triangles();

@@ -21,7 +21,7 @@ bool all_finite(const Vectors& vectors) {
   return true;
 }
 
-/// Returns an empty string if `mesh` satisfies all guarantees; else the first violation.
+/// Returns the first guarantee that `mesh` violates; an empty string if there is none.
 inline std::string broken_promise(const scene::Mesh& mesh, const scene::Model& model) {
   const std::size_t n = mesh.positions.size();
   const auto fits = [&](const auto& vector) { return vector.empty() || vector.size() == n; };

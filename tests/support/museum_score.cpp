@@ -70,7 +70,7 @@ MuseumScore museum_score(const simulated::TrueMuseum& truth, const DirectionOfPi
           const auto found_there = mapped(other, *lights);
           const auto slope_there = slope_at(other, *lights);
           if (!found_there || !found_there->allFinite() || !slope_there) continue;
-          // Both maps have the same rotation relative to the truth, which is too small to matter here.
+          // Both maps have the same rotation relative to the truth; it is too small to matter here.
           apart.push_back(in_pixels(*slope_there, *found - *found_there));
         }
       }

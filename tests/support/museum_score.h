@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// True registration of a calibration's maps on the wall of a simulated museum.
+/// Measures the true registration of a calibration's maps on the wall of a simulated museum.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,17 +10,17 @@
 
 namespace cyclorama {
 
-/// Distances on the wall in projector pixels, sampled at 80 columns of each picture.
+/// Distances on the wall, in projector pixels, at samples in 80 columns of each picture.
 struct MuseumScore {
-  double mean_px = 0.0;  ///< Mean distance at which two projectors draw one point of the wall.
+  double mean_px = 0.0;  ///< Mean distance between two projectors' drawings of one point of the wall.
   double p95_px = 0.0;
   double max_px = 0.0;
-  std::size_t correspondences = 0;  ///< Number in overlaps.
-  double true_p95_px =
-      0.0;  ///< 95th percentile against the view from the turntable's centre, after alignment of heading and tilt.
-  double true_max_px = 0.0;  ///< Maximum of the same errors.
-  std::size_t lit = 0;       ///< Pixels that light the wall.
-  std::size_t missing = 0;   ///< Pixels of those that have no direction.
+  std::size_t correspondences = 0;  ///< Number of compared points in overlaps.
+  /// 95th percentile of the errors against the view from the turntable's centre, after alignment of heading and tilt.
+  double true_p95_px = 0.0;
+  double true_max_px = 0.0;  ///< Maximum of the errors of `true_p95_px`.
+  std::size_t lit = 0;       ///< Number of pixels that light the wall.
+  std::size_t missing = 0;   ///< Number of the lit pixels for which the calibration has no direction.
 };
 
 using DirectionOfPixel =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A folder like a museum's USB stick, valid until a test damages it, and a disk for the installation.
+/// A folder like a museum's USB stick, valid until a test damages it, and a folder for the installed settings.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace cyclorama {
 
 inline constexpr const char* kStickPin = "401773";
 
-/// Shared by all tests of a program, since it takes seconds to make.
+/// Returns certificates that all tests of a program share, because making them takes seconds.
 inline const TlsFiles& museum_certificates() {
   static TestAuthority authority;
   static const TlsFiles files = authority.museum("hall-3");
@@ -67,7 +67,7 @@ class MuseumStick {
     const auto text = read_text_file(root() / "settings" / name, 1 << 20);
     return text ? *text : "";
   }
-  /// CHECKs only errors of the machine.
+  /// Installs the stick. CHECKs only errors of the machine; all others are in the report.
   [[nodiscard]] provision::ProvisioningReport install(provision::StepHook hook = {},
                                                       const provision::FolderLimits& limits = {}) const {
     auto store = provision::SettingsStore::open(root(), std::move(hook));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One head drawn by GL and read back, and its difference from the CPU reference.
+/// Draws one head with GL, reads it back, and compares it with the CPU reference.
 #pragma once
 
 #include <array>
@@ -13,14 +13,14 @@
 
 namespace cyclorama {
 
-/// Opens an output for each picture, so that no state remains from the previous one.
+/// Opens a new output for each picture, so that no state remains from the previous picture.
 class PaintedHead {
  public:
-  /// Without `texels`, uses those that a display would select.
+  /// Without `texels`, uses the kind that a display would choose.
   explicit PaintedHead(output::HeadlessOptions::Renderer renderer, std::optional<display::Texels> texels = std::nullopt)
       : renderer_(renderer), texels_(texels) {}
 
-  /// Rows from the top.
+  /// Draws a head. Rows are from the top.
   RgbImage drawn(const display::HeadPlan& plan, const PlanarPicture& picture, const PictureShape& shape, double shift,
                  const std::vector<PixelRect>* parts = nullptr) {
     return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program,
@@ -31,7 +31,7 @@ class PaintedHead {
       painter.draw({&texture, shift});
     });
   }
-  /// Draws after another picture was in its place.
+  /// Draws a picture after another one was drawn in its place.
   RgbImage drawn_after(const display::HeadPlan& plan, const PlanarPicture& before, const PictureShape& shape_before,
                        const PlanarPicture& picture, const PictureShape& shape) {
     return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program,
@@ -55,7 +55,7 @@ class PaintedHead {
     });
   }
 
-  /// Draws the whole head from both eyes' pictures, stacked, each of `shape`; or from one picture for both eyes.
+  /// Draws the whole head from the stacked pictures of both eyes, each of `shape`, or from one picture for both eyes.
   RgbImage drawn_for_two(const display::HeadPlan& plan, const PlanarPicture& picture, const PictureShape& shape,
                          double shift, Eye now = Eye::kLeft) {
     return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program,
@@ -106,7 +106,8 @@ class PaintedHead {
   SteadyClock clock_;
 };
 
-/// A pixel centre on the edge of a triangle that is left out may be drawn or not: GPUs snap corners to 1/256 px.
+/// Returns true if a pixel centre is on the edge of a triangle that is not drawn. Such a pixel may be drawn or not,
+/// because GPUs snap corners to 1/256 px.
 inline bool is_on_the_rim(const warp::Warp& warp, int x, int y) {
   const warp::WarpMesh* const mesh = std::get_if<warp::WarpMesh>(&warp);
   if (mesh == nullptr) return false;
@@ -120,8 +121,8 @@ inline bool is_on_the_rim(const warp::Warp& warp, int x, int y) {
   return drawn != 0 && drawn != 4;
 }
 
-/// Maximum difference in 8-bit codes from any value of the reference within `slack_px` of the position, and with a
-/// relative error of `slack_light` in each light.
+/// Returns the maximum difference, in 8-bit codes, between a drawn picture and the range of the reference. The range is
+/// over positions within `slack_px`, and over a relative error of `slack_light` in each light.
 inline double worst_difference(const RgbImage& drawn, const display::HeadPlan& plan, const ExactPicture& reference,
                                double slack_px, double slack_light = 0.0) {
   double worst = 0.0;
@@ -130,7 +131,7 @@ inline double worst_difference(const RgbImage& drawn, const display::HeadPlan& p
       if (is_on_the_rim(plan.warp, x, y)) continue;
       Eigen::Vector3d min = reference.code_at(plan, x, y);
       Eigen::Vector3d max = min;
-      // Between the ends of the slack it is monotone, except at a pixel centre of the picture.
+      // Between the ends of the slack, the light is monotonic, except at a pixel centre of the picture.
       const Eigen::Vector2d centre = reference.to_centre(plan.warp, x, y).cwiseMax(-slack_px).cwiseMin(slack_px);
       const std::array<Eigen::Vector2d, 4> correspondences{Eigen::Vector2d(0.0, 0.0), centre,
                                                            Eigen::Vector2d(slack_px, slack_px),
@@ -142,7 +143,7 @@ inline double worst_difference(const RgbImage& drawn, const display::HeadPlan& p
         min = min.cwiseMin(moved);
         max = max.cwiseMax(moved);
       }
-      // Pixels beside the wall stay black.
+      // A pixel beside the wall stays black.
       const bool is_black = reference.is_black(plan, x, y);
       const auto [darker, brighter] = is_black ? std::pair(0.0, 0.0) : ExactPicture::dither_at(plan, x, y);
       for (int c = 0; c < 3; ++c) {
@@ -156,7 +157,7 @@ inline double worst_difference(const RgbImage& drawn, const display::HeadPlan& p
   return worst;
 }
 
-/// Random plans and pictures that vary in every parameter.
+/// Random plans and pictures; all their parameters vary.
 class RandomHeads {
  public:
   explicit RandomHeads(unsigned seed) : random_(seed) {}
@@ -173,9 +174,10 @@ class RandomHeads {
     }
     return picture;
   }
-  /// Cells whose positions are inside and slightly outside a panorama, some of them nowhere. They are large and
-  /// arbitrary; or each is one pixel, a few pixels of the panorama from the next: GPUs interpolate in floats and round
-  /// corners to 1/256 px, so that steeper ones would be off by more than 0.02 px.
+  /// Returns a mesh whose cells have positions inside and slightly outside a panorama; some have no position. Cells are
+  /// large and arbitrary. With `has_tiny_cells`, each is one pixel, and neighbours are a few pixels of the panorama
+  /// apart: GPUs interpolate in floats and round corners to 1/256 px, so steeper cells would be off by more than 0.02
+  /// px.
   warp::WarpMesh mesh(int width, int height, double span_rad, bool has_tiny_cells = false) {
     const auto cells = [&](int size) { return has_tiny_cells ? size : pixels(1, std::clamp(size / 12, 1, 9)); };
     warp::WarpMesh mesh{width, height, cells(width), cells(height), {}, 0.0};
@@ -205,14 +207,14 @@ class RandomHeads {
     }
     return map;
   }
-  /// Shape of a flat wall or a dome, with positions around its axis that a wall may have.
+  /// Returns the shape of a flat wall or a dome, with positions around its axis that a wall may have.
   PictureShape other_shape(int width, int height) {
     const double tilt = between(-1.5, 1.5);
     if (one_in(2)) return Fisheye{width, height, between(1.0, 6.0), tilt};
     return Perspective{width, height, between(-1.2, -0.3), between(0.3, 1.2), between(0.3, 1.2), between(-1.2, -0.3),
                        tilt};
   }
-  /// Noise with many zeros and ones, and one large area of 1.
+  /// Returns noise with many zeros and ones, and one large area of ones.
   warp::MaskImage mask(int width, int height) {
     warp::MaskImage mask(width, height, 1.0f);
     const int left = pixels(0, width);
@@ -221,7 +223,7 @@ class RandomHeads {
     }
     return mask;
   }
-  /// A monotone random curve, with slopes up to eight times that of the identity.
+  /// Returns a random monotonic curve with slopes of up to eight.
   warp::ResponseCurve curve() {
     std::vector<double> sums{0.0};
     for (int i = 0; i < 32; ++i) sums.push_back(sums.back() + (one_in(3) ? 0.0 : between(0.0, 8.0)));

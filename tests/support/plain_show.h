@@ -16,7 +16,7 @@ inline PlanarPicture plain(int width, int height, std::uint8_t code, bool half =
   return picture;
 }
 
-/// A frame 1.4 radians wide, which may be turned by 0.2 either way.
+/// Returns a frame that spans 1.4 radians and may be turned by 0.2 radians either way.
 inline std::unique_ptr<display::DisplayFrame> frame_of(std::uint64_t number, const PlanarPicture& picture,
                                                        double heading_rad = 0.0) {
   auto frame = std::make_unique<display::DisplayFrame>(
@@ -28,7 +28,7 @@ inline std::unique_ptr<display::DisplayFrame> frame_of(std::uint64_t number, con
   return frame;
 }
 
-/// A head whose field of view is one radian, straight ahead.
+/// Returns a head with a field of view of one radian, straight ahead.
 inline display::HeadPlan plain_head(int width, int height) {
   const auto right = static_cast<float>(width);
   const auto bottom = static_cast<float>(height);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Parses Prometheus' text format 0.0.4, independently of the writer. An invalid line fails the test.
+/// A parser of Prometheus' text format 0.0.4 that is independent of the writer. An invalid line fails the test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,7 +12,8 @@
 
 namespace cyclorama {
 
-/// Returns the value for each name with labels, as written. Each must occur once, and after the TYPE of its family.
+/// Returns the value of each sample by its name with labels, as written. Each sample must occur once, after the TYPE of
+/// its family.
 inline std::map<std::string, double> samples_of(const std::string& text) {
   static const std::regex kSample(
       R"re(([a-zA-Z_:][a-zA-Z0-9_:]*)(\{(?:[a-zA-Z_]\w*="(?:[^"\\\n]|\\[\\"n])*",?)*\})? (\S+))re");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Writes Gaussian splats as PLY in text.
+/// Writes Gaussian splats as PLY text.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ inline std::string splat_ply_header(int count, int degree) {
   return text + "end_header\n";
 }
 
-/// A row of a half-transparent grey splat, whose coefficients beyond degree 0 are 1, 2, 3 ...
+/// Returns the row of a half-transparent grey splat whose coefficients beyond degree 0 are 1, 2, 3 ...
 inline std::string splat_ply_row(const std::array<double, 3>& place, int degree) {
   std::string text;
   for (const double part : place) text += std::to_string(part) + " ";

@@ -23,7 +23,7 @@ namespace cyclorama {
 struct ChiSquare {
   double statistic = 0.0;
   int degrees = 0;
-  double p_value = 1.0;  ///< Probability of a statistic at least as large by chance.
+  double p_value = 1.0;  ///< Probability that chance alone yields a statistic at least as large.
 };
 
 /// Returns the probability that a chi-square variable is at least `statistic`: Q(degrees / 2, statistic / 2), the
@@ -63,11 +63,11 @@ struct ChiSquare {
   return std::clamp(fraction * scale, 0.0, 1.0);
 }
 
-/// Significance level for each of `tests` independent tests, such that all together raise a false alarm with
+/// Returns the significance level of each of `tests` independent tests with which all together raise a false alarm with
 /// probability `alpha`.
 [[nodiscard]] inline double sidak(double alpha, int tests) { return -std::expm1(std::log1p(-alpha) / tests); }
 
-/// Tests counts against expected counts of the same total. Bins with an expectation below five are pooled.
+/// Compares counts with expected counts of the same total. Bins with an expectation below five are pooled.
 [[nodiscard]] inline ChiSquare chi_square(std::span<const double> observed, std::span<const double> expected) {
   constexpr double kMinExpected = 5.0;
   ChiSquare result;
@@ -87,7 +87,7 @@ struct ChiSquare {
       pool_expected += expected[i];
     }
   }
-  // A small pool can still reveal an excess; it cannot reveal a deficit.
+  // A small pool can reveal an excess but not a deficit.
   if (pool_expected >= kMinExpected || pool_observed > pool_expected)
     count(pool_observed, std::max(pool_expected, 1.0));
   result.degrees = std::max(1, bins - 1);
@@ -95,12 +95,12 @@ struct ChiSquare {
   return result;
 }
 
-/// Counts directions in bins that are rectangles of height along x and angle about x. A pilot run defines them: they
-/// are split at its median, and cropped where it has no directions. Its directions also guide the integration to narrow
-/// lobes and small lamps. Thread-bound.
+/// Counts directions in bins, which are rectangles in height along x and angle about x. A pilot run defines the bins:
+/// they are split at its median and cropped where it has no directions. Its directions also guide the integration to
+/// narrow lobes and small lamps. Thread-bound.
 class SphereHistogram {
  public:
-  /// Makes 2^depth bins, and some for the parts that the pilot did not reach. `pilot` may be empty; its directions must
+  /// Makes 2^depth bins, and more for the regions without pilot directions. `pilot` may be empty; its directions must
   /// not be counted again.
   explicit SphereHistogram(const std::vector<render::Vec3>& pilot, int depth = 7) {
     std::vector<std::array<double, 2>> points;
@@ -117,7 +117,7 @@ class SphereHistogram {
     counts_[nodes_[node].bin] += 1.0;
     total_ += 1.0;
   }
-  /// Counts a sample without a direction, or one that the pdf excludes, as part of the total.
+  /// Counts a sample without a direction, or a sample that the pdf excludes, as part of the total.
   void add_lost() {
     counts_.back() += 1.0;
     total_ += 1.0;
@@ -137,7 +137,7 @@ class SphereHistogram {
     return probabilities;
   }
 
-  /// Tests whether the counts follow pdf(Vec3); if it integrates to less than one, the rest is the expected share
+  /// Tests whether the counts follow pdf(Vec3). If the pdf integrates to less than one, the rest is the expected share
   /// of lost samples.
   template <typename Density>
   [[nodiscard]] ChiSquare compare(const Density& pdf, double* ret_integral = nullptr) const {
@@ -146,7 +146,7 @@ class SphereHistogram {
     double sum = 0.0;
     for (double& e : expected) {
       sum += e;
-      e = std::max(e * total_, kMinExpected);  // A bin that the integration finds empty may contain the end of a tail.
+      e = std::max(e * total_, kMinExpected);  // A seemingly empty bin may contain the end of a tail.
     }
     if (ret_integral != nullptr) *ret_integral = sum;
     expected.push_back(std::max((1.0 - sum) * total_, kMinExpected));
@@ -167,7 +167,7 @@ class SphereHistogram {
     std::array<double, 2> at{};
     double pdf = 0.0;
   };
-  /// The lower child follows its parent.
+  /// A node of the tree of bins. Its lower child directly follows it.
   struct Node {
     std::size_t axis = 0;
     double place = 0.0;
@@ -215,7 +215,8 @@ class SphereHistogram {
     split(r, axis, place, {points.first(half), points.subspan(half)}, {depth - 1, depth - 1});
   }
 
-  /// Median of the points, which are partitioned about it; the centre of the rectangle if there are fewer than two.
+  /// Returns the median of the points, which are partitioned around it. With fewer than two points, returns the centre
+  /// of the rectangle.
   static double median(const Rectangle& r, Points points, std::size_t axis) {
     if (points.size() < 2) return 0.5 * (r.low[axis] + r.high[axis]);
     const std::size_t half = points.size() / 2;
@@ -237,7 +238,7 @@ class SphereHistogram {
     return static_cast<double>(pdf(render::Vec3(d.cast<float>())));
   }
 
-  /// Gauss-Legendre quadrature with 3 x 3 points.
+  /// Integrates with 3 x 3 points of Gauss-Legendre quadrature.
   template <typename Density>
   static double gauss(const Density& pdf, const Rectangle& r) {
     constexpr std::array<double, 3> kPlaces = {-0.7745966692414834, 0.0, 0.7745966692414834};
@@ -283,7 +284,7 @@ class SphereHistogram {
 
   std::vector<Node> nodes_;
   std::vector<Bin> bins_;
-  std::vector<double> counts_;  ///< Counts of each bin and of lost samples.
+  std::vector<double> counts_;  ///< Count of each bin; the last is that of lost samples.
   double total_ = 0.0;
 };
 
@@ -293,8 +294,8 @@ struct SamplerCheck {
   double lost = 0.0;      ///< Fraction of the samples without a direction.
 };
 
-/// Tests sample(const Vec2& u, float choice) -> std::optional<Vec3> against pdf(const Vec3&), with another quarter
-/// of `samples` to define the bins.
+/// Tests sample(const Vec2& u, float choice) -> std::optional<Vec3> against pdf(const Vec3&). Draws `samples` / 4 more
+/// samples to define the bins.
 template <typename Sample, typename Density>
 [[nodiscard]] SamplerCheck check_sampler(const Sample& sample, const Density& pdf, int samples = 1 << 15,
                                          unsigned seed = 1, int depth = 7) {

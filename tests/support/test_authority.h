@@ -14,7 +14,7 @@
 
 namespace cyclorama {
 
-/// Returns the output of a shell command, both streams.
+/// Returns the output of a shell command from both streams.
 inline std::string output_of(const std::string& command) {
   std::string text;
   FILE* const pipe = ::popen(("{ " + command + "; } 2>&1").c_str(), "r");
@@ -25,7 +25,7 @@ inline std::string output_of(const std::string& command) {
   return text;
 }
 
-/// A temporary authority, made by the program that farms use, in a separate folder.
+/// A temporary authority in a separate folder, made by the program that farms use.
 class TestAuthority {
  public:
   TestAuthority() {
@@ -44,7 +44,7 @@ class TestAuthority {
     return output_of("cd '" + folder_.string() + "' && '" + (source != nullptr ? source : ".") +
                      "/renderfarm/authority/cyclorama-authority' --folder ca " + words);
   }
-  /// Makes a bundle with arguments such as "node n1", unpacked over the previous one of that name.
+  /// Makes a bundle with arguments such as "node n1", and unpacks it over the previous bundle with this name.
   TlsFiles make(const std::string& words, const std::string& name) {
     const std::string said = run(words + " --output bundle.tar --replace");
     const std::filesystem::path to = folder_ / name;

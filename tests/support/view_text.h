@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Views as text: everything that a picture depends on, so equal digits mean equal pictures.
+/// Views as text. The text contains everything that a picture depends on, so equal texts mean equal pictures.
 #pragma once
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ inline std::string to_hex(const wire::View& view) {
   return hex;
 }
 
-/// Returns nothing for text that to_hex() never writes.
+/// Parses a text of to_hex(). Returns nothing for text that to_hex() never writes.
 inline std::optional<wire::View> view_from_hex(std::string_view hex) {
   std::string bytes;
   for (; hex.size() >= 2; hex.remove_prefix(2)) {

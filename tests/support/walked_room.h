@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A small world that is seen from any eye, and what a display shows of frames of it; for tests of moved pictures.
+/// A small world that can be seen from any eye, and a display's drawings of frames of it; for tests of reprojected
+/// pictures.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -19,7 +20,8 @@
 
 namespace cyclorama::display {
 
-/// A round room of 3 m with a striped wall, and a pole of 0.2 m beside the visitor; the eye's height is 0.
+/// A round room with a radius of 3 m and a striped wall, and a pole 0.2 m thick beside the visitor. The eye is at
+/// height 0.
 struct World {
   bool has_pole = true;
 
@@ -49,7 +51,7 @@ struct World {
   }
 };
 
-/// `noise_codes`: half the range of a random error of each pixel, which differs with `seed`.
+/// Renders a frame of the world. Each pixel has a random error of up to ±`noise_codes`, which depends on `seed`.
 inline DisplayFrame frame_of(const World& world, const Projection& picture, const Eigen::Vector3d& eye,
                              double heading_rad = 0.0, double noise_codes = 0.0, unsigned seed = 0) {
   std::mt19937 random(seed);
@@ -83,7 +85,8 @@ inline DisplayFrame frame_of(const World& world, const Projection& picture, cons
   return frame;
 }
 
-/// Draws the middle of a picture, pixel by pixel, as a head sees it. One at a time: each has its own GL context.
+/// Draws the middle of a picture, pixel by pixel, as a head sees it. Only one may exist at a time, because each has a
+/// GL context.
 class Drawing {
  public:
   explicit Drawing(const Projection& picture, Texels texels = Texels::kHalves)
@@ -117,19 +120,19 @@ class Drawing {
     light_.emplace(*std::move(light));
   }
 
-  /// Draws a frame without those before it, moved by `eye` (Eye frame of the picture) and turned.
+  /// Draws a frame without earlier ones, moved by `eye` (Eye frame of the picture) and turned.
   RgbImage of(const DisplayFrame& frame, const Eigen::Vector3d& eye = Eigen::Vector3d::Zero(), double turn_rad = 0.0) {
     light_->forget();
     return after_earlier(frame, eye, turn_rad);
   }
-  /// Likewise with those before it.
+  /// Draws a frame like of(), but after the earlier ones.
   RgbImage after_earlier(const DisplayFrame& frame, const Eigen::Vector3d& eye = Eigen::Vector3d::Zero(),
                          double turn_rad = 0.0) {
     CHECK(light_->take(frame));
     CHECK(light_->move(frame, eye));
     return drawn(turn_rad);
   }
-  /// Draws the frame that was moved before, from its own eye.
+  /// Draws the frame that was moved before, from its original eye.
   RgbImage unmoved(const DisplayFrame& frame) {
     CHECK(light_->move(frame, Eigen::Vector3d::Zero()));
     return drawn(0.0);

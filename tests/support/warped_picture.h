@@ -12,14 +12,14 @@
 
 namespace cyclorama {
 
-/// Reference of pass 2, in double precision on the CPU and as simple as possible.
+/// CPU reference of pass 2, in double precision and as simple as possible.
 class WarpedPicture {
  public:
   WarpedPicture(const RgbImage& picture, const PictureShape& shape, double turn_rad)
       : picture_(picture), shape_(shape), scale_(pixel_scale(shape)), turn_rad_(turn_rad) {}
 
-  /// Code values in [0, 255], not rounded, of the head's pixel; black where it is left out. The position in the picture
-  /// is shifted by `off_u`, `off_v` pixels.
+  /// Returns unrounded code values in [0, 255] of a pixel of the head; black if the pixel is not drawn. The position in
+  /// the picture is shifted by (`off_u`, `off_v`) pixels.
   [[nodiscard]] std::array<double, 3> at(const warp::Warp& warp, const warp::MaskImage& mask, int x, int y,
                                          double off_u = 0.0, double off_v = 0.0) const {
     const auto seen = direction_at(warp, x, y);

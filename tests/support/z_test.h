@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Tests whether a noisy picture has the expected mean: a z-test of every pixel, and one of the whole picture, against
-/// the stored mean and variance of a long run. Source: Subr and Arvo, "Statistical Hypothesis Testing for Assessing
-/// Monte Carlo Estimators", 2007; the test of the whole picture detects small biases that no pixel reveals.
+/// Tests whether a noisy picture has the expected mean, with a z-test of each pixel and one of the whole picture,
+/// against the stored mean and variance of a long run. The test of the whole picture detects small biases that no
+/// single pixel reveals. Source: Subr and Arvo, "Statistical Hypothesis Testing for Assessing Monte Carlo Estimators",
+/// 2007.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,8 +25,8 @@
 
 namespace cyclorama {
 
-/// Luminance of a long run, per pixel: the mean, and the variance of one sample. Stratified samples have a smaller
-/// variance, so the test is then less sensitive but never raises more false alarms.
+/// The luminance of a long run: for each pixel, the mean and the variance of one sample. Stratified samples have a
+/// smaller variance, which makes the test less sensitive but never causes more false alarms.
 struct Golden {
   int width = 0;
   int height = 0;
@@ -41,10 +42,10 @@ struct Golden {
          film.samples.data()[pixel];
 }
 
-/// A long run, added film by film in double precision, since a large float sum loses small samples. Thread-bound.
+/// Adds up a long run film by film in double precision, because a large float sum loses small samples. Thread-bound.
 class GoldenRun {
  public:
-  /// Precondition: films have the same size and the same number of samples in every pixel.
+  /// Adds a film. Precondition: all films have the same size and the same number of samples in every pixel.
   void add(const render::Film& film) {
     const std::size_t pixels = film.samples.data().size();
     if (sum_.empty()) {
@@ -80,7 +81,7 @@ class GoldenRun {
   std::vector<double> square_;
 };
 
-/// Text for tests/golden: a comment with the command that reproduces it, then numbers.
+/// Returns the text for a file in tests/golden: a comment with the command that reproduces it, then numbers.
 [[nodiscard]] inline std::string golden_text(const Golden& golden, const std::string& command) {
   std::ostringstream text;
   text.precision(9);
@@ -109,23 +110,23 @@ class GoldenRun {
   return Error(ErrorCode::kBadData, "not a golden picture: make it again with the command in its second line");
 }
 
-/// Path of tests/golden/`name`.txt in the repository.
+/// Returns the path of tests/golden/`name`.txt in the repository.
 [[nodiscard]] inline std::filesystem::path golden_path(const std::string& name) {
   const char* const source = std::getenv("CYCLORAMA_SOURCE");
   return std::filesystem::path(source == nullptr ? "." : source) / "tests/golden" / (name + ".txt");
 }
 
 struct ZTest {
-  /// Significance level of each test, such that all together raise a false alarm with probability alpha.
+  /// Significance level of each test, with which all tests together raise a false alarm with probability alpha.
   double level = 0.0;
   double worst_p = 1.0;  ///< p-value of the least likely pixel.
   std::size_t worst_pixel = 0;
   double picture_p = 1.0;  ///< p-value of the sum over all pixels.
-  std::vector<double> z;   ///< Per pixel, positive where the film is too bright; infinite for NaN.
+  std::vector<double> z;   ///< z of each pixel, positive if the film is too bright there; infinite for NaN.
   [[nodiscard]] bool passed() const { return worst_p >= level && picture_p >= level; }
 };
 
-/// Each pixel needs enough samples for a nearly normal mean. Precondition: the sizes are equal.
+/// Tests a film. Each pixel needs enough samples for a nearly normal mean. Precondition: the sizes are equal.
 [[nodiscard]] inline ZTest z_test(const render::Film& film, const Golden& golden, double alpha = 0.01) {
   CHECK(film.width() == golden.width && film.height() == golden.height);
   const auto p_of = [](double z) { return std::erfc(std::abs(z) / std::numbers::sqrt2); };
@@ -136,8 +137,8 @@ struct ZTest {
   for (std::size_t i = 0; i < golden.mean.size(); ++i) {
     const double n = film.samples.data()[i];
     const double mean = mean_luminance(film, i);
-    // A sum of n floats may be off by n roundings, here and in each film of the long run; without this term a pixel
-    // without variance would fail.
+    // A sum of n floats may be off by n rounding errors, here and in each film of the long run. Without this term, a
+    // pixel without variance would fail.
     const double rounding = n * std::numeric_limits<float>::epsilon() * golden.mean[i];
     const double pixel = golden.variance[i] * (1.0 / n + 1.0 / golden.samples) + rounding * rounding;
     const double gap = mean - golden.mean[i];
@@ -156,7 +157,7 @@ struct ZTest {
   return test;
 }
 
-/// Compares with tests/golden/`name`.txt; a failure names the pixel, and writes the picture and z as PFM.
+/// Compares a film with tests/golden/`name`.txt. A failure names the pixel, and writes the picture and z as PFM files.
 inline void expect_golden(const render::Film& film, const std::string& name) {
   const std::filesystem::path path = golden_path(name);
   const auto text = read_text_file(path, 1 << 22);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// GBM, EGL on GBM and udev, implemented by the FakeMachine. GL itself is the machine's own, without a surface; a
-// buffer's pixels are those of the renderbuffer that it backs.
+// GBM, EGL on GBM and udev, implemented by the FakeMachine. GL itself is the machine's, without a surface. The pixels
+// of a buffer are those of the renderbuffer that it backs.
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <drm_fourcc.h>
@@ -50,7 +50,7 @@ cyclorama::output::Gl real_gl() {
   return *gl;
 }
 
-/// glEGLImageTargetRenderbufferStorageOES(): an image stands for its buffer.
+/// Replaces glEGLImageTargetRenderbufferStorageOES(). An image is represented by its buffer.
 void give_storage(GLenum, void* image) {
   auto* const buffer = static_cast<gbm_bo*>(image);
   const cyclorama::output::Gl gl = real_gl();
@@ -96,7 +96,7 @@ RgbImage read_buffer(const gbm_bo& buffer) {
   gl.ReadPixels(0, 0, pixels.width(), pixels.height(), GL_RGBA, GL_UNSIGNED_BYTE, pixels.data().data());
   gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
   gl.DeleteFramebuffers(1, &reader);
-  // A card scans memory out from its first row, which is GL's row 0.
+  // A card scans memory out from its first row, which is row 0 in GL.
   RgbImage picture(pixels.width(), pixels.height());
   for (int y = 0; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x) std::memcpy(picture.at(x, y), pixels.at(x, y), 3);
@@ -152,7 +152,7 @@ EGLDisplay __wrap_eglGetPlatformDisplay(EGLenum platform, void* native, const EG
 EGLBoolean __wrap_eglInitialize(EGLDisplay display, EGLint* major, EGLint* minor) {
   return fails("eglInitialize") ? EGLBoolean{EGL_FALSE} : __real_eglInitialize(display, major, minor);
 }
-// Does nothing, since the process has only one surfaceless display, which others may use.
+// Does nothing, because the process has only one surfaceless display, which others may use.
 EGLBoolean __wrap_eglTerminate(EGLDisplay) { return EGL_TRUE; }
 EGLBoolean __wrap_eglBindAPI(EGLenum api) {
   return fails("eglBindAPI") ? EGLBoolean{EGL_FALSE} : __real_eglBindAPI(api);

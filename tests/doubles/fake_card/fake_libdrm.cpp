@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls of libdrm and of the files that it uses, implemented by the FakeMachine.
+// Calls of libdrm, and of the files that it uses, implemented by the FakeMachine.
 #include <drm_fourcc.h>
 #include <fcntl.h>
 #include <sys/eventfd.h>
@@ -25,7 +25,7 @@ namespace {
 
 FakeMachine& machine() { return FakeMachine::the(); }
 
-/// True if this call must fail: libdrm then returns null with errno set.
+/// Returns true if this call must fail, and then sets errno. libdrm returns null in this case.
 bool fails(const char* call) {
   const int error = machine().meet(call);
   if (error != 0) errno = error;
@@ -38,7 +38,7 @@ FakeMachine::CardState* card_or_errno(int fd) {
   return card;
 }
 
-/// C structures of libdrm, with the data to which they point.
+/// C structures of libdrm, extended by the data to which they point.
 struct Resources : drmModeRes {
   std::vector<std::uint32_t> crtc_ids, connector_ids;
 };
@@ -85,7 +85,7 @@ std::uint64_t value_of(const FakeMachine::CardState& card, std::uint32_t object,
   if (name == "type") return object >= FakeMachine::kFirstCursor ? DRM_PLANE_TYPE_CURSOR : DRM_PLANE_TYPE_PRIMARY;
   if (name == "EDID") {
     const FakeConnector& connector = card.card.connectors.at(object - FakeMachine::kFirstConnector);
-    return connector.is_connected && !connector.edid.empty() ? object : 0;  // A blob with the connector's number.
+    return connector.is_connected && !connector.edid.empty() ? object : 0;  // The blob has the connector's number.
   }
   const auto found = card.state.find({object, FakeMachine::property_id(name)});
   return found == card.state.end() ? 0 : found->second;
@@ -203,7 +203,7 @@ drmModePlaneResPtr __wrap_drmModeGetPlaneResources(int fd) {
   if (card == nullptr || fails("drmModeGetPlaneResources")) return nullptr;
   auto* const made = new PlaneResources;
   for (std::uint32_t i = 0; i < card->card.crtcs; ++i) {
-    made->ids.push_back(FakeMachine::kFirstCursor + i);  // Deliberately not in a convenient order.
+    made->ids.push_back(FakeMachine::kFirstCursor + i);  // The order is deliberately inconvenient.
     made->ids.push_back(FakeMachine::kFirstPrimary + i);
   }
   made->count_planes = static_cast<std::uint32_t>(made->ids.size());
@@ -278,7 +278,7 @@ int __wrap_drmModeCreatePropertyBlob(int fd, const void* data, std::size_t size,
   return 0;
 }
 int __wrap_drmModeDestroyPropertyBlob(int fd, std::uint32_t) {
-  // The kernel keeps a mode's blob as long as a CRTC uses it; here all are kept.
+  // The kernel keeps a mode's blob as long as a CRTC uses it; this double keeps all blobs.
   return machine().card_of(fd) == nullptr ? -EBADF : -machine().meet("drmModeDestroyPropertyBlob");
 }
 
@@ -310,7 +310,7 @@ int __wrap_drmModeAddFB2(int fd, std::uint32_t width, std::uint32_t height, std:
   const gbm_bo* buffer = nullptr;
   if (const auto imported = card->imported.find(handles[0]); imported != card->imported.end()) {
     buffer = imported->second;
-  } else if (card->card.path == "/dev/dri/card0") {  // The card that renders.
+  } else if (card->card.path == "/dev/dri/card0") {  // Only this card renders.
     for (const gbm_bo* const made : machine().buffers) {
       if (made->handle == handles[0]) buffer = made;
     }
@@ -325,7 +325,7 @@ int __wrap_drmModeRmFB(int fd, std::uint32_t id) {
   if (const int error = machine().meet("drmModeRmFB"); error != 0) return -error;
   FakeMachine::CardState* const card = machine().card_of(fd);
   if (card == nullptr || card->framebuffers.erase(id) == 0) return -ENOENT;
-  // A CRTC that scans it out is turned off.
+  // A CRTC that scans out the framebuffer is turned off.
   for (auto& [key, value] : card->state) {
     if (FakeMachine::property_name(key.second) != "FB_ID" || value != id) continue;
     const std::uint32_t crtc = FakeMachine::kFirstCrtc + (key.first - FakeMachine::kFirstPrimary);
@@ -356,7 +356,7 @@ int __wrap_drmHandleEvent(int fd, drmEventContextPtr handlers) {
   if (fails("drmHandleEvent")) return -1;
   FakeMachine::CardState* const card = card_or_errno(fd);
   if (card == nullptr) return -1;
-  // All connectors refresh at the same moments, every sixtieth of a second.
+  // All connectors refresh at the same time, 60 times per second.
   constexpr std::int64_t kPeriod_ns = 16'666'667;
   if (card->card.has_raster) {
     const std::int64_t now = cyclorama::to_nanoseconds(machine().clock().now());

@@ -64,7 +64,7 @@ drmModeModeInfo fake_mode(int width_px, int height_px, double refresh_hz, bool i
 std::vector<std::uint8_t> fake_edid(const std::string& model, int colour_bits) {
   std::vector<std::uint8_t> edid(128, 0);
   for (std::size_t i = 1; i < 7; ++i) edid[i] = 0xff;
-  edid[8] = 0x0c;  // "CYC": 3, 25, 3 in five bits each.
+  edid[8] = 0x0c;  // The letters "CYC" are 3, 25 and 3, with five bits each.
   edid[9] = 0x23 | 0x00;
   edid[8] = static_cast<std::uint8_t>((3 << 2) | (25 >> 3));
   edid[9] = static_cast<std::uint8_t>(((25 & 7) << 5) | 3);
@@ -154,7 +154,7 @@ void FakeMachine::closed(int fd) {
   CardState& card = *found->second;
   fds_.erase(found);
   if (card.master_fd != fd) return;
-  // The kernel removes objects that the file made, and connectors that show them go dark.
+  // The kernel removes the objects that the file created, and connectors that show them go dark.
   card.master_fd = -1;
   card.framebuffers.clear();
   card.imported.clear();
@@ -249,7 +249,7 @@ int FakeMachine::commit(CardState* card, const State& changes, std::uint32_t fla
   return 0;
 }
 
-/// Checks as the kernel's drm_atomic_check_only() does, for the errors that a driver like ours can make.
+/// Makes the checks of the kernel's drm_atomic_check_only() for the errors that our driver could make.
 int FakeMachine::refusal(const CardState& card, const State& wanted, bool allows_modeset) const {
   bool is_modeset = false;
   for (std::uint32_t i = 0; i < card.card.crtcs; ++i) {

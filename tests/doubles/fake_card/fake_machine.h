@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Graphics cards described as data, in place of libdrm, GBM, EGL on GBM and udev: a program that links fake_card gets
-/// them instead of the machine's (the linker's --wrap). GL is real, without a surface, so that a connector's picture
+/// Graphics cards described as data, in place of libdrm, GBM, EGL on GBM and udev. A program that links fake_card gets
+/// them instead of the machine's (by the linker's --wrap). GL is real but has no surface, so a connector's picture
 /// consists of real pixels.
 ///
 ///   FakeClock clock;
@@ -27,7 +27,7 @@ struct gbm_bo {
   std::uint32_t height = 0;
   std::uint32_t format = 0;
   std::uint32_t handle = 0;
-  unsigned renderbuffer = 0;  ///< Renderbuffer to which GL draws it.
+  unsigned renderbuffer = 0;  ///< Renderbuffer into which GL draws this buffer.
 };
 
 namespace cyclorama {
@@ -44,22 +44,22 @@ struct FakeConnector {
   std::vector<drmModeModeInfo> modes;
   std::vector<std::uint8_t> edid;
   std::uint32_t possible_crtcs = 0xff;
-  std::uint64_t max_bpc = 0;  ///< 0 if the driver has no such property.
+  std::uint64_t max_bpc = 0;  ///< 0 if the driver does not have this property.
 };
 
 struct FakeCard {
   std::string path = "/dev/dri/card0";
   std::size_t crtcs = 3;
   std::vector<FakeConnector> connectors;
-  /// Upper bound on the sum of all modes' clocks, as given by memory bandwidth; 0 for none.
+  /// Upper bound of the sum of all modes' clocks, as memory bandwidth imposes; 0 for none.
   std::uint64_t max_clock_khz = 0;
-  bool can_be_deep = true;  ///< Planes support 10 bits.
-  bool has_raster = true;   ///< False on virtual cards: flips happen immediately.
+  bool can_be_deep = true;  ///< True if planes support 10 bits.
+  bool has_raster = true;   ///< False for virtual cards, on which flips happen immediately.
 };
-/// Three connected projectors of 64x36 pixels at 60 Hz: HDMI-A-1 to -3, 8 bit.
+/// Returns a card with three connected projectors of 64x36 pixels at 60 Hz: HDMI-A-1 to -3, 8 bits.
 FakeCard three_projectors();
 
-/// The whole fake machine during its life; only one may exist at a time. Bound to the output's thread.
+/// The whole fake machine, as long as this object exists. Only one may exist at a time. Bound to the output's thread.
 class FakeMachine {
  public:
   FakeMachine(std::vector<FakeCard> cards, FakeClock* clock);
@@ -67,29 +67,30 @@ class FakeMachine {
   FakeMachine(const FakeMachine&) = delete;
   FakeMachine& operator=(const FakeMachine&) = delete;
 
-  /// May be changed at any time; hot_plug() notifies the driver of a change.
+  /// Returns a connector, which may be changed at any time; hot_plug() notifies the driver of the change.
   FakeConnector& connector(std::size_t card, std::size_t number);
   void hot_plug() { ++hot_plugs; }
-  /// Lets `passes` calls of this name succeed and fails the next one with this errno. "page flip event" suppresses the
-  /// event. Commits are "drmModeAtomicCommit (test)", "(modeset)" and "(flip)".
+  /// Lets `passes` calls of this name succeed and makes the next one fail with this errno. "page flip event" suppresses
+  /// an event instead. Commits are named "drmModeAtomicCommit (test)", "(modeset)" and "(flip)".
   void fail(const std::string& call, int error, int passes = 0);
-  /// Returns whether the fault that was set has occurred.
+  /// Returns true if the fault that was set has occurred.
   [[nodiscard]] bool was_fault_met() const { return !fault_; }
   /// Simulates another program that takes or releases the card.
   void set_master_taken(std::size_t card, bool is_taken);
   /// Loses all contents of the GPU, as after a hang.
   void reset_gpu() { is_gpu_reset = true; }
-  /// Rows from the top that a connector scans out now; nothing if there is no signal. A GL context must be current.
+  /// Returns the picture that a connector scans out at present, with rows from the top; nothing if there is no signal.
+  /// A GL context must be current.
   [[nodiscard]] std::optional<RgbImage> wall(std::size_t card, std::size_t number) const;
-  /// Mode of a connector that is lit.
+  /// Returns the mode of a connector; nothing if it is dark.
   [[nodiscard]] std::optional<drmModeModeInfo> mode_of(std::size_t card, std::size_t number) const;
   [[nodiscard]] bool is_deep(std::size_t card, std::size_t number) const;
-  /// Commits other than tests; and how many of them may have darkened a screen.
+  /// Return the number of commits except tests, and how many of these may have darkened a screen.
   [[nodiscard]] int commits(std::size_t card) const;
   [[nodiscard]] int modesets(std::size_t card) const;
-  /// Number of calls of each wrapped function.
+  /// Returns the number of calls of each wrapped function.
   [[nodiscard]] const std::map<std::string, int>& calls() const { return calls_; }
-  /// Number of buffers, images, contexts and files that are still held.
+  /// Returns the number of buffers, images, contexts and files that are still held.
   [[nodiscard]] std::size_t held() const;
 
   // The members below are for the wrapped calls only.
@@ -121,14 +122,14 @@ class FakeMachine {
 
   static FakeMachine& the();
   static FakeMachine* the_or_null();
-  /// Returns 0, or the errno with which this call must fail.
+  /// Returns the errno with which this call must fail; 0 if it must succeed.
   int meet(const char* call);
   [[nodiscard]] CardState* card_of(int fd);
   [[nodiscard]] CardState* card_at(const std::string& path);
   [[nodiscard]] FakeClock& clock() { return *clock_; }
   void opened(int fd, CardState* card);
   void closed(int fd);
-  /// Returns a new object number, as the kernel assigns them.
+  /// Returns a new object number, like those that the kernel assigns.
   std::uint32_t next_id() { return ++last_id_; }
   int commit(CardState* card, const State& changes, std::uint32_t flags, void* cookie, int fd);
 

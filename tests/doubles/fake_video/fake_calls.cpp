@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// System calls, answered by the FakeVideo for its own files and by the system for all others.
+// System calls. The FakeVideo answers those for its files; the system answers all others.
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -15,7 +15,7 @@ using cyclorama::FakeVideo;
 
 namespace {
 
-/// Returns the device of a file; null if the file is not the fake's.
+/// Returns the device of a file; null if the file is not the FakeVideo's.
 FakeVideo::DeviceState* ours(int fd) {
   FakeVideo* const video = FakeVideo::the_or_null();
   return video == nullptr ? nullptr : video->device_of(fd);

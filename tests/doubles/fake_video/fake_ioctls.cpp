@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// V4L2 requests as in the kernel's documentation, as far as a camera driver and its errors need them.
+// V4L2 requests as in the kernel's documentation, as far as a camera driver and tests of its errors need them.
 #include <fcntl.h>
 #include <linux/videodev2.h>
 #include <sys/mman.h>
@@ -91,7 +91,7 @@ int list_interval(const Device& device, v4l2_frmivalenum* ret) {
 int set_format(Device* device, v4l2_format* ret) {
   if (device->is_taken || !device->buffers.empty()) return EBUSY;
   v4l2_pix_format& pixels = ret->fmt.pix;
-  // As in the kernel, an unknown format is replaced by a known one.
+  // An unknown format is replaced by a known one, as in the kernel.
   if (format_of(*device, pixels.pixelformat) == nullptr) pixels.pixelformat = device->device.formats[0].fourcc;
   const FakeFormat& format = *format_of(*device, pixels.pixelformat);
   if (!device->device.has_ranges) {
@@ -249,7 +249,7 @@ const char* name_of(unsigned long code) {
 }  // namespace
 
 int FakeVideo::request(DeviceState* device, int fd, unsigned long code, void* argument) {
-  // Requests that free resources never fail, since the kernel frees them whatever it returns.
+  // Requests that free resources never fail, because the kernel frees the resources whatever it returns.
   const bool frees =
       code == VIDIOC_STREAMOFF || (code == VIDIOC_REQBUFS && static_cast<v4l2_requestbuffers*>(argument)->count == 0);
   if (!frees) {

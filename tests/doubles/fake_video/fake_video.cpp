@@ -19,7 +19,7 @@ Duration period_of(const v4l2_fract& interval) {
   return std::chrono::nanoseconds(1'000'000'000LL * interval.numerator / std::max(interval.denominator, 1U));
 }
 
-/// Encodes by ITU-R BT.601, range 16 to 235, with the chroma of two pixels together.
+/// Encodes by ITU-R BT.601, with luma from 16 to 235 and shared chroma for each two pixels.
 std::vector<std::byte> encode_yuyv(const v4l2_pix_format& format, const RgbImage& picture) {
   CHECK(format.pixelformat == V4L2_PIX_FMT_YUYV && picture.width() == static_cast<int>(format.width) &&
         picture.height() == static_cast<int>(format.height));
@@ -44,14 +44,14 @@ std::vector<std::byte> encode_yuyv(const v4l2_pix_format& format, const RgbImage
   return bytes;
 }
 
-/// Encodes brightness in the pixel format; chroma is 128.
+/// Encodes the fake's grey levels in the pixel format; chroma is 128.
 std::vector<std::byte> encode(const v4l2_pix_format& format, std::uint32_t sequence) {
   const auto width = static_cast<int>(format.width);
   const auto height = static_cast<int>(format.height);
   if (format.pixelformat == V4L2_PIX_FMT_MJPEG) {
     RgbImage picture(width, height);
     for (int y = 0; y < height; ++y) {
-      // A plain picture, which JPEG compression preserves.
+      // The picture is plain, so that JPEG compression preserves it.
       for (int x = 0; x < width; ++x) std::fill_n(picture.at(x, y), 3, fake_level(sequence, 0, 0));
     }
     JpegEncoder encoder;
@@ -70,7 +70,7 @@ std::vector<std::byte> encode(const v4l2_pix_format& format, std::uint32_t seque
           bytes[row + 2 * column] = level;
           break;
         case V4L2_PIX_FMT_UYVY:
-        case V4L2_PIX_FMT_Y16:  // The low byte is noise.
+        case V4L2_PIX_FMT_Y16:  // The low byte does not matter.
           bytes[row + 2 * column + 1] = level;
           break;
         default:
@@ -195,7 +195,7 @@ void FakeVideo::run(DeviceState* device) {
 void FakeVideo::fill(DeviceState* device, std::uint32_t index) {
   Buffer& buffer = device->buffers[index];
   if (device->device.sees) {
-    // The unit of the control is 100 us.
+    // The control has a unit of 100 us.
     device->device.exposure =
         std::chrono::microseconds(100 * device->device.controls[V4L2_CID_EXPOSURE_ABSOLUTE].value);
   }

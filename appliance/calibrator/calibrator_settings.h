@@ -33,7 +33,7 @@ struct CalibratorSettings {
   std::string turntable = "manual";              ///< Argument for make_turntable().
 
   std::string camera = "v4l2:";  ///< Camera on the turntable; argument for make_camera().
-  /// Lens file of that camera; empty: the calibration's camera.json if it belongs to this camera.
+  /// Lens file of the camera on the turntable; empty: the calibration's camera.json if it belongs to this camera.
   std::filesystem::path lens{};
   /// Horizontal field of view, used if the lens is unknown.
   double field_of_view_rad = 70.0 * std::numbers::pi / 180.0;

@@ -23,7 +23,8 @@ enum class WarpKind {
   kPixelMap,   ///< A texture.
 };
 
-/// Features of pass 2 that a group of a head's triangles needs; only these are compiled in.
+/// Features that the shader of pass 2, which draws a projector's picture, needs for a group of triangles. Only these
+/// are compiled in.
 struct HeadFeatures {
   YawCorrection turning = YawCorrection::kShift;
   WarpKind warp_kind = WarpKind::kTriangles;

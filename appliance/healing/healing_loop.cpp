@@ -111,7 +111,7 @@ void HealingLoop::turn() {
 Status HealingLoop::begin() {
   const auto at = calibrated_at();
   const std::vector<std::string> troubles = rooms_->troubles();
-  // Cameras were named, so the wall should be watched, and this is a fault.
+  // Troubles exist only if cameras were named. The wall should then be watched, so a lack of cameras is a fault.
   if (rooms_->cameras().empty() && !troubles.empty())
     return Error(ErrorCode::kUnavailable, fmt::format("{}", fmt::join(troubles, "; ")));
   TRY_ASSIGN(HealingStart begun, healing_start(folder_, installation_, rooms_->cameras()));

@@ -166,7 +166,7 @@ Result<std::vector<solve::Correspondence>> decode_correspondences(std::span<cons
   }
   const ScanIdentity::Projector& format = identity.projectors.at(projector);
   const auto is_within = [](float value, int size) { return value >= 0.0f && value <= static_cast<float>(size); };
-  // A camera pixel must exist, so the upper bound is exclusive.
+  // A camera position must lie in an existing pixel, so its upper bound is exclusive.
   const auto is_pixel = [](float value, int size) { return value >= 0.0f && value < static_cast<float>(size); };
   std::vector<solve::Correspondence> correspondences((bytes.size() - kMagic.size()) / kCorrespondenceBytes);
   const std::byte* from = bytes.data() + kMagic.size();

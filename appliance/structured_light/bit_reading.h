@@ -45,8 +45,8 @@ struct BitThreshold {
 
 /// Returns true if all positions that the undecided bits allow are in the same cell of 2^level pixels or an adjacent
 /// one. Gray code guarantees this at the edge of a stripe, where one bit is undecided and both of its values give a
-/// right position. If all finer bits are decided, they must confirm the edge: the two positions are at most a cell
-/// apart.
+/// right position. If all bits finer than an undecided bit are decided, the positions that its two values give must
+/// also be at most 2^level pixels apart, as they are at an edge.
 [[nodiscard]] inline bool is_settled(std::uint16_t position, std::uint16_t undecided, int level) {
   const auto whole = static_cast<unsigned>(position);
   const int cell = static_cast<int>(whole >> level);

@@ -31,7 +31,8 @@ Result<Warp> make_warp(const ProjectorMap& map, const PictureShape& picture, dou
   TRY(validate(picture));
   if (auto patches = make_warp_patches(map, picture, tolerance_px)) return Warp(*std::move(patches));
   const int max = std::max(1, map.lens().width_px * map.lens().height_px / (kMinCellPx * kMinCellPx));
-  // With this many lines, the pieces between them are already as small as that limit.
+  // N creases can cut the picture into about N^2 / 2 pieces. If that exceeds `max`, the cells between the creases would
+  // be smaller than kMinCellPx, so no mesh is tried.
   const std::size_t creases = map.creases().size();
   if (creases * creases / 2 > static_cast<std::size_t>(max)) return Warp(make_pixel_map(map, picture));
   auto mesh = make_warp_mesh(map, picture, tolerance_px, max);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Pictures that are larger than what is shown, so that they can be turned and moved, and pictures that serve several
-/// walls. Reentrant. An equirectangular picture never grows, cannot be turned, and covers only itself, because it is
-/// never made for a wall.
+/// walls. Reentrant. An equirectangular picture is never made for a wall, so it never grows, cannot be turned, and
+/// serves together with no other picture.
 #pragma once
 
 #include <optional>

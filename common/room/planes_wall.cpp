@@ -108,7 +108,7 @@ std::vector<WallPatch> PlanesWall::patches(std::size_t about) const {
 }
 
 std::vector<Point<frame::Room>> PlanesWall::outline() const {
-  // Includes points inside the rectangles, since a rectangle overhead is highest in its middle.
+  // Points inside the rectangles are included, since the elevation of a rectangle overhead is greatest in its middle.
   constexpr int kSteps = 64;
   std::vector<Point<frame::Room>> points;
   for (const WallRectangle& r : rectangles) {

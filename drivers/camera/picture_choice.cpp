@@ -13,7 +13,8 @@ namespace {
 constexpr double kSameRate = 0.02;
 /// Half of the requested rate costs as much as a quarter of the requested pixels.
 constexpr double kRateWeight = 4.0;
-/// Half of the requested pixels cost as much as a rate lower by a quarter; twice the pixels cost half of that.
+/// Half of the requested pixels cost as much as a rate that is a quarter below the requested one. Twice the requested
+/// pixels cost half as much as half of them.
 constexpr double kSmallerWeight = 1.0;
 constexpr double kLargerWeight = 0.5;
 

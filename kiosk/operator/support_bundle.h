@@ -14,7 +14,7 @@ namespace cyclorama::operations {
 struct SupportOrder {
   MuseumState museum;
   std::vector<std::string> journal{"journalctl", "--no-pager", "--output=short-iso", "--lines=6000"};
-  std::size_t max_journal_bytes = std::size_t{4} << 20;  ///< Limit of the newest part; older lines are left out.
+  std::size_t max_journal_bytes = std::size_t{4} << 20;  ///< Maximum size; older lines are left out.
   Duration longest = std::chrono::seconds(15);           ///< Timeout of the journal command.
 };
 

@@ -102,7 +102,7 @@ class FarmClient {
   std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;
   bool stopping_ = false;
-  TimePoint heard_at_{};  ///< Time of the last reply, or of the last request while no reply was due.
+  TimePoint heard_at_{};  ///< Start of the timeout: the last reply, or a later request sent when none was in flight.
   ViewWindow window_;
   grpc::ClientContext* context_ = nullptr;  ///< Context of the current call, so that stop() can cancel it.
 

@@ -119,7 +119,7 @@ Status CoordinatorState::hello(NodeId id, Node& node, const wire::Hello& hello) 
 }
 
 void CoordinatorState::order_scene(NodeId id, Node& node, const FarmScene& scene, const std::set<std::string>& keep) {
-  if (!scene.is_ready()) return;  // scene_read() orders it later.
+  if (!scene.is_ready()) return;  // scene_read() orders the scene later.
   node.scenes[scene.name] = {};
   node.scenes[scene.name].asked_at = clock_.now();
   wire::NodeCommand command;

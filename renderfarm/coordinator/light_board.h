@@ -53,7 +53,7 @@ class LightBoard {
   void stored(const std::string& sha256);
   /// Returns what is due. Only nodes for which `is_idle` returns true get pieces to compute.
   Orders next(TimePoint now, const std::function<bool(NodeId)>& is_idle);
-  /// Forgets everything and returns the files that were here or on their way.
+  /// Forgets everything. Returns the files that the coordinator holds or has ordered from nodes.
   std::vector<wire::LightVersion> clear();
   [[nodiscard]] bool has(NodeId node) const { return at_.contains(node); }
   [[nodiscard]] std::size_t nodes() const { return at_.size(); }

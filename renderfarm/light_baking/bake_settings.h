@@ -10,7 +10,7 @@ namespace cyclorama::light_baking {
 /// Upper bound of the rays of a sample.
 inline constexpr int kMaxRaysOfSample = 1 << 14;
 
-/// Settings that trade the cost of light against its accuracy. Their curves are in docs/design/stored-light.md.
+/// Settings that trade the cost of computing light against its accuracy. docs/design/stored-light.md has measurements.
 struct BakeSettings {
   int eyes = 64;  ///< Positions in the walkable area from which the surfaces that visitors see are found.
   int rays_per_eye = 1 << 18;
@@ -43,8 +43,8 @@ struct BakeSettings {
   std::uint64_t seed = 1;
   int check_eyes = 32;  ///< Held-out eyes from which the result is compared with path tracing; 0: none.
 
-  /// Returns the rays of each of `samples` samples that together are at least min_rays / `divisor`, not below `rays`: a
-  /// power of two up to kMaxRaysOfSample.
+  /// Returns the number of rays per sample: an equal share of min_rays / `divisor` for each of `samples` samples, rounded
+  /// down to a power of two and limited to kMaxRaysOfSample; but never less than `rays`.
   [[nodiscard]] int rays_of(int rays, std::uint64_t samples, int divisor) const;
   [[nodiscard]] GatherSettings gathering(int rays, int bounces) const {
     return {rays, bounces, static_cast<float>(surface_error), dim_light};

@@ -49,7 +49,8 @@ void for_each_sample(int parts, Visit visit) {
 /// Doubles the parts of a grid. New samples are interpolated.
 void refine(MadeGrid* grid);
 
-/// Adds the light of a grid of `parts` that is coarser, or as fine.
+/// Adds the light `coarse` of another grid of the same triangle to `grid`. The other grid has `parts` parts along an
+/// edge, at most as many as `grid` has. Its light is interpolated.
 void add(int parts, const std::vector<ProbeLight>& coarse, MadeGrid* grid);
 
 }  // namespace cyclorama::light_baking

@@ -15,8 +15,8 @@ class LightFiles {
   /// An empty folder means that the node has no cache.
   explicit LightFiles(std::filesystem::path cache) : cache_(std::move(cache)) {}
 
-  /// Returns the path for the light of the scene at `path`, whether or not the file exists; empty if there is no such
-  /// path.
+  /// Returns the path of the file for the light of the scene at `path`, whether or not the file exists. Empty if the
+  /// node has no cache and the scene is not a folder.
   [[nodiscard]] std::filesystem::path file_of(const std::string& path) const;
   /// Prepares that place for a new file: creates the folder, and removes the oldest files beyond a limit, unfinished light included. Errors: one
   /// sentence on why nothing can be written there.

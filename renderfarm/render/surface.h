@@ -21,7 +21,7 @@ struct SurfacePoint {
   Vec3 position = Vec3::Zero();
   Vec3 error = Vec3::Zero();    ///< Upper bound of the position's error, per axis.
   Vec3 facing = Vec3::UnitY();  ///< The triangle's normal, on the viewer's side. Unit length.
-  Vec3 normal = Vec3::UnitY();  ///< The shading normal, on the same side. Unit length.
+  Vec3 normal = Vec3::UnitY();  ///< The shading normal, on the viewer's side. Unit length.
   Vec3 colour = Vec3::Ones();   ///< Interpolated vertex colour, linear.
   bool front = true;            ///< True if the viewer is on the front, as given by the triangle's winding.
 };

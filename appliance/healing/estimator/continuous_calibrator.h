@@ -52,7 +52,7 @@ struct ProjectorHealth {
   std::string reason;       ///< For operators; empty while all is well.
   double off_px = 0.0;      ///< Distance between the believed and the applied pose, in the calibration's pixels.
   double sigma_px = 0.0;    ///< Standard deviation of `off_px`.
-  bool wants_scan = false;  ///< True if it has no pose, or was not measured for too long.
+  bool wants_scan = false;  ///< The projector has no pose, or its last measurement is older than scan_wanted_after.
 };
 
 struct ShowReport {
@@ -124,9 +124,9 @@ class ContinuousCalibrator {
   /// Requests a realignment: at the next step the projectors' uncertainties are reset to those of a new scan, and for
   /// ten seconds displacements are corrected from 0.05 px on.
   void realign();
-  /// Handles a correction by the operator: displays draw the projector for this pose from now on, and the projector's
-  /// present position counts as right with it. Precondition: the projector exists. Errors: kUnavailable if the
-  /// calibrator is not settled yet.
+  /// Handles a correction by the operator. From now on, displays draw the projector's picture for `T_room_projector`,
+  /// and this pose counts as correct for the projector's present position, so that only later displacements are
+  /// corrected. Precondition: the projector exists. Errors: kUnavailable if the calibrator is not settled yet.
   Status put_back(std::size_t projector, const RigidTransform<frame::Room, frame::Projector>& T_room_projector);
   /// Returns whether the scan's residuals have been learned.
   [[nodiscard]] bool is_settled() const;

@@ -16,7 +16,7 @@ namespace cyclorama::scan {
 enum class DisplacementVerdict {
   kDisplaced,    ///< A rigid motion explains the observations.
   kLensTurned,   ///< Only a rigid motion with another focal length and principal point explains them.
-  kUnexplained,  ///< Neither does: the wall has changed, or something stands in the light.
+  kUnexplained,  ///< No motion or lens explains them: the wall has changed, or something stands in the light.
 };
 
 struct Displacement {

@@ -23,7 +23,7 @@ struct PoseReport {
 
 /// Axes of another tracker.
 enum class TrackerAxes {
-  kCamera,  ///< Axes of Cyclorama: X right, Y down, Z forward of a camera at the wall that faces the visitor.
+  kCamera,  ///< Axes of Cyclorama's camera, which is at the wall and faces the visitor: X right, Y down, Z forward.
   kRoom,    ///< X to the visitor's right, Y up, Z towards the visitor; origin at the wall, where a camera would be.
 };
 

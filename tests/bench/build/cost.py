@@ -79,8 +79,11 @@ def seconds_alone(name, command):
 
 def dearest_headers(most):
     """Returns (header, objects, seconds alone) of the `most` headers that most objects read, dearest first."""
-    commands = {entry["output"]: entry["command"]
-                for entry in json.loads((FOLDER / "compile_commands.json").read_text(encoding="utf-8"))}
+    commands = {}
+    for entry in json.loads((FOLDER / "compile_commands.json").read_text(encoding="utf-8")):
+        # CMake before 3.26 does not name the output.
+        words = shlex.split(entry["command"])
+        commands[words[words.index("-o") + 1]] = entry["command"]
     candidates = []
     objects = objects_by_header()
     for name in named_headers():

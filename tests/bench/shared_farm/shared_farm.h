@@ -99,6 +99,7 @@ class SharedFarm final : private coordinator::CoordinatorDelegate {
   void to_node(coordinator::NodeId node, const wire::NodeCommand& command) override;
   void to_museum(coordinator::SessionId session, wire::SessionReply reply) override;
   void accept_light(const wire::LightVersion&) override {}
+  void forget_light(const wire::LightVersion&) override {}
   void end_node(coordinator::NodeId node, const Error& reason) override;
   void end_session(coordinator::SessionId session, const Error& reason, bool at_once) override;
   void frame_ended(const coordinator::FrameReport& report) override;

@@ -111,6 +111,9 @@ class ComputedLight final : public node::LightComputation {
   explicit ComputedLight(Status result) : result_(std::move(result)) {}
   void pause() override {}
   void resume() override {}
+  void compute(std::uint32_t, std::uint32_t) override {}
+  void fetched(std::uint32_t, std::uint32_t) override {}
+  [[nodiscard]] std::vector<node::LightEvent> events() override { return {}; }
   [[nodiscard]] double done_share() override { return 1.0; }
   [[nodiscard]] std::optional<Status> result() override { return result_; }
 

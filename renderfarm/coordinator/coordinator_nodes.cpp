@@ -330,7 +330,7 @@ void CoordinatorState::charge(BlockLocation* place, double cpu_seconds) {
 
 void CoordinatorState::count_threads() {
   double threads = 0.0;
-  for (const auto& [id, node] : nodes_) threads += node.threads;
+  for (const auto& [id, node] : nodes_) threads += node.threads * node.utilisation;
   accounts_.set_threads(threads);
 }
 

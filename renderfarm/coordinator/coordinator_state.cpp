@@ -15,6 +15,7 @@ CoordinatorState::CoordinatorState(std::vector<FarmScene> scenes, balance::Balan
 
 void CoordinatorState::tick() {
   compare_nodes();
+  count_threads();
   placement_.expire(clock_.now());
   tick_nodes();
   for (const FarmScene& scene : scenes_) follow_light(scene.name);

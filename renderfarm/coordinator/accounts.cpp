@@ -47,19 +47,16 @@ void Accounts::close(AccountId id) {
 }
 
 double Accounts::fair_time(std::size_t work, TimePoint now) {
-  double weights = 0.0;
   double lead = -std::numeric_limits<double>::infinity();
   for (const auto& [id, account] : accounts_) {
-    if (account.sessions > 0) weights += account.terms.weight;
     const Flow& flow = account.flows[work];
     // Less what came at once, so that a piece of work larger than the credit costs nobody what is due.
     if (flow.frames > 0) lead = std::max(lead, flow.time - flow.last_charge);
   }
-  const double rate = weights > 0.0 ? threads_ / weights : 0.0;
   FairShare& fair = fair_[work];
-  const double grown = fair.time + rate * to_seconds(std::max(now - fair.at, Duration::zero()));
+  const double grown = fair.time + credit() / kCreditSeconds * to_seconds(std::max(now - fair.at, Duration::zero()));
   fair.at = now;
-  fair.time = std::max({fair.time, std::min(grown, fair.latest), lead - kCreditSeconds * rate});
+  fair.time = std::max({fair.time, std::min(grown, fair.latest), lead - credit()});
   return fair.time;
 }
 
@@ -103,6 +100,19 @@ void Accounts::charge(AccountId id, WorkClass work, double cpu_seconds, TimePoin
 bool Accounts::is_over_quota(AccountId id, TimePoint now) const {
   const Account& account = accounts_.at(id);
   return account.cores.paid_at() > now || account.megapixels.paid_at() > now;
+}
+
+double Accounts::received(AccountId id, WorkClass work) const {
+  const auto found = accounts_.find(id);
+  return found == accounts_.end() ? 0.0 : found->second.flows[index_of(work)].time;
+}
+
+double Accounts::credit() const {
+  double weights = 0.0;
+  for (const auto& [id, account] : accounts_) {
+    if (account.sessions > 0) weights += account.terms.weight;
+  }
+  return weights > 0.0 ? kCreditSeconds * threads_ / weights : 0.0;
 }
 
 double Accounts::weight(AccountId id) const { return accounts_.at(id).terms.weight; }

@@ -65,6 +65,10 @@ class Accounts {
   void set_threads(double threads) { threads_ = threads; }
   [[nodiscard]] bool is_over_quota(AccountId account, TimePoint now) const;
   [[nodiscard]] double weight(AccountId account) const;
+  /// Returns what the account has received so far, in virtual time; 0 for an unknown one.
+  [[nodiscard]] double received(AccountId account, WorkClass work) const;
+  /// Returns what an account may catch up with, in virtual time.
+  [[nodiscard]] double credit() const;
   /// Cpu-seconds charged since the account was first opened; 0 for an unknown one.
   [[nodiscard]] double charged_seconds(AccountId account) const;
 

@@ -22,6 +22,11 @@ constexpr double kNodeSeconds = 0.00005;
 /// Minimum cost in cpu-seconds, so that a frame that cost nothing still takes its turn.
 constexpr double kMinCpuSeconds = 1e-4;
 
+/// Part of the credit by which an account's service must differ from what a node knows before it is stated again.
+constexpr double kNoticeable = 0.1;
+/// Maximum accounts that one order states.
+constexpr int kMaxStated = 16;
+
 void add_stage(wire::FrameEnd* end, const char* name, double seconds) {
   wire::StageTime* const stage = end->add_stages();
   stage->set_name(name);
@@ -157,7 +162,25 @@ void CoordinatorState::order_block(SessionId id, const Session& session, const F
   order->set_account(static_cast<std::uint64_t>(session.account));
   order->set_rank_per_cpu_second(frame.threads / (node.threads * accounts_.weight(session.account)));
   order->set_watermark(session.watermark);
+  Node::WaitingAccount& own = node.accounts[{session.account, frame.turn.work}];
+  ++own.blocks;
+  own.stated = std::max(own.stated, accounts_.received(session.account, frame.turn.work));
+  state_service(node, session.account, order);
   delegate_.to_node(node_id, command);
+}
+
+void CoordinatorState::state_service(Node& node, AccountId except, wire::RenderBlock* order) const {
+  const double noticeable = kNoticeable * accounts_.credit();
+  for (auto& [name, waiting] : node.accounts) {
+    const auto& [account, work] = name;
+    const double received = accounts_.received(account, work);
+    if (account == except || received - waiting.stated < noticeable) continue;
+    if (order->received_size() == kMaxStated) return;
+    waiting.stated = received;
+    wire::AccountService& service = *order->add_received();
+    service.set_account(static_cast<std::uint64_t>(account));
+    service.set_rank(Accounts::Turn{work, received, 0.0}.rank().wire());
+  }
 }
 
 NodeId CoordinatorState::least_loaded(const std::vector<NodeId>& nodes) const {

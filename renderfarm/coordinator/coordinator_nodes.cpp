@@ -294,6 +294,8 @@ Status CoordinatorState::block_ended(NodeId id, Node& node, const wire::BlockEnd
   if (found == node.blocks.end()) return broken(fmt::format("it ended block {}, not its own", end.block()));
   BlockLocation place = found->second;
   node.blocks.erase(found);
+  const auto account = node.accounts.find({place.account, place.work});
+  if (--account->second.blocks == 0) node.accounts.erase(account);
   learn_utilisation(node, end);
   charge(&place, measured_seconds(end.render_cpu_seconds()) + measured_seconds(end.encode_cpu_seconds()));
   FrameInFlight* const frame = find_frame(place);

@@ -216,6 +216,8 @@ class CoordinatorState {
   [[nodiscard]] NodeId least_loaded(const std::vector<NodeId>& nodes) const;
   void order_block(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block, NodeId node,
                    const PixelRect& rect);
+  /// Adds what the other accounts with blocks at the node have received elsewhere, if that is much.
+  void state_service(Node& node, AccountId except, wire::RenderBlock* order) const;
   void fail(FrameInFlight& frame, const std::string& reason, Session& session);
   /// Gives the frame its place among those of all museums.
   void take_turn(Session& session, FrameInFlight* frame);

@@ -68,13 +68,13 @@ FrameInFlight* CoordinatorState::find_frame(const BlockLocation& place) {
 
 std::vector<AssignedBlock> CoordinatorState::split(SessionId id, Session& session, const wire::View& view,
                                                    bool whole_blocks) {
-  std::vector<NodeId> nodes = nodes_for(session, view.light());
+  std::vector<NodeId> nodes = nodes_.able(session.scene, session.account, view.light());
   placement_.arrange(id, &nodes);
   std::vector<double> speeds;
   std::vector<double> thread_speeds;
   for (const NodeId at : nodes) {
     const Node& node = nodes_.at(at);
-    speeds.push_back(speed_of(node, session.scene) * placement_.free_part(id, at));
+    speeds.push_back(speeds_.of(node, session.scene) * placement_.free_part(id, at));
     thread_speeds.push_back(node.scenes.at(session.scene).speed);
   }
   balance::SplitRequest request{size_of(view), speeds, view.heading_rad(), shifting_span(view)};
@@ -101,17 +101,14 @@ void CoordinatorState::take_turn(Session& session, FrameInFlight* frame) {
 
 double CoordinatorState::threads_of(const std::vector<AssignedBlock>& blocks) const {
   std::set<NodeId> nodes;
-  double threads = 0.0;
-  for (const AssignedBlock& block : blocks) {
-    if (nodes.insert(block.node).second) threads += nodes_.at(block.node).threads;
-  }
-  return threads;
+  for (const AssignedBlock& block : blocks) nodes.insert(block.node);
+  return nodes_.threads_of(nodes);
 }
 
 void CoordinatorState::place(SessionId id, const Session& session, const std::vector<AssignedBlock>& blocks) {
   std::vector<Placement::NodeWork> works;
   for (const AssignedBlock& block : blocks) {
-    works.push_back({block.node, block.forecast.seconds / speed_of(nodes_.at(block.node), session.scene)});
+    works.push_back({block.node, block.forecast.seconds / speeds_.of(nodes_.at(block.node), session.scene)});
   }
   placement_.planned(id, works, clock_.now());
 }
@@ -181,12 +178,6 @@ void CoordinatorState::state_service(Node& node, AccountId except, wire::RenderB
     service.set_account(static_cast<std::uint64_t>(account));
     service.set_rank(Accounts::Turn{work, received, 0.0}.rank().wire());
   }
-}
-
-NodeId CoordinatorState::least_loaded(const std::vector<NodeId>& nodes) const {
-  return *std::ranges::min_element(nodes, {}, [&](NodeId node) {
-    return static_cast<double>(nodes_.at(node).blocks.size()) / nodes_.at(node).threads;
-  });
 }
 
 void CoordinatorState::cancel_blocks(const FrameInFlight& frame) {

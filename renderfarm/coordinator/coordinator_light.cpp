@@ -215,7 +215,7 @@ void CoordinatorState::order_light(const std::string& scene, SceneLightState& li
     // A node that is at work already, by the command of a coordinator before this one, goes on.
     const auto progress = std::ranges::find(node.status.light(), scene, &wire::LightProgress::scene);
     const double done = progress == node.status.light().end() ? 0.0 : progress->done_share();
-    const std::pair<double, double> rank{done, speed_of(node, scene)};
+    const std::pair<double, double> rank{done, speeds_.of(node, scene)};
     if (rank <= best_rank) continue;
     best = id;
     best_rank = rank;

@@ -2,6 +2,7 @@
 #include "renderfarm/coordinator/accounts.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "common/base/check.h"
 
@@ -42,20 +43,21 @@ void Accounts::close(AccountId id) {
     accounts_.erase(id);
     return;
   }
-  for (Flow& flow : account.flows) flow = {flow.time, 0.0, 0};
+  for (Flow& flow : account.flows) flow = {flow.time, 0.0, 0.0, 0};
 }
 
-double Accounts::floor_of(std::size_t work) const {
-  double weights = 0.0;
-  double lead = 0.0;
+double Accounts::fair_time(std::size_t work, TimePoint now) {
+  double lead = -std::numeric_limits<double>::infinity();
   for (const auto& [id, account] : accounts_) {
-    if (account.sessions > 0) weights += account.terms.weight;
     const Flow& flow = account.flows[work];
-    // Predicted costs of frames in flight are subtracted, so that a frame larger than the credit takes nothing from the
-    // others' shares.
-    if (flow.frames > 0) lead = std::max(lead, flow.time - flow.reserved / account.terms.weight);
+    // Less what came at once, so that a piece of work larger than the credit costs nobody what is due.
+    if (flow.frames > 0) lead = std::max(lead, flow.time - flow.last_charge);
   }
-  return lead - (weights > 0.0 ? kCreditSeconds * threads_ / weights : 0.0);
+  FairShare& fair = fair_[work];
+  const double grown = fair.time + credit() / kCreditSeconds * to_seconds(std::max(now - fair.at, Duration::zero()));
+  fair.at = now;
+  fair.time = std::max({fair.time, std::min(grown, fair.latest), lead - credit()});
+  return fair.time;
 }
 
 Accounts::Turn Accounts::begin(AccountId id, const Demand& demand, TimePoint now) {
@@ -65,8 +67,9 @@ Accounts::Turn Accounts::begin(AccountId id, const Demand& demand, TimePoint now
   const WorkClass wanted = demand.at_rest ? WorkClass::kAtRest : WorkClass::kMoving;
   Turn turn{is_over_quota(id, now) ? WorkClass::kSpare : wanted, 0.0, demand.cpu_seconds};
   Flow& flow = account.flows[index_of(turn.work)];
-  ++flow.frames;
-  flow.time = std::max(flow.time, floor_of(index_of(turn.work)));
+  const double fair = fair_time(index_of(turn.work), now);
+  // What waits keeps its place, however long it waits.
+  if (flow.frames++ == 0) flow.time = std::max(flow.time, fair);
   turn.start = flow.time + flow.reserved / account.terms.weight;
   flow.reserved += turn.reserved;
   return turn;
@@ -87,12 +90,29 @@ void Accounts::charge(AccountId id, WorkClass work, double cpu_seconds, TimePoin
   Account& account = found->second;
   account.charged += cpu_seconds;
   account.cores.take(cpu_seconds, now);
-  account.flows[index_of(work)].time += cpu_seconds / account.terms.weight;
+  Flow& flow = account.flows[index_of(work)];
+  flow.last_charge = cpu_seconds / account.terms.weight;
+  flow.time += flow.last_charge;
+  double& latest = fair_[index_of(work)].latest;
+  latest = std::max(latest, flow.time);
 }
 
 bool Accounts::is_over_quota(AccountId id, TimePoint now) const {
   const Account& account = accounts_.at(id);
   return account.cores.paid_at() > now || account.megapixels.paid_at() > now;
+}
+
+double Accounts::received(AccountId id, WorkClass work) const {
+  const auto found = accounts_.find(id);
+  return found == accounts_.end() ? 0.0 : found->second.flows[index_of(work)].time;
+}
+
+double Accounts::credit() const {
+  double weights = 0.0;
+  for (const auto& [id, account] : accounts_) {
+    if (account.sessions > 0) weights += account.terms.weight;
+  }
+  return weights > 0.0 ? kCreditSeconds * threads_ / weights : 0.0;
 }
 
 double Accounts::weight(AccountId id) const { return accounts_.at(id).terms.weight; }

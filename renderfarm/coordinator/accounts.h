@@ -20,8 +20,11 @@ namespace cyclorama::coordinator {
 /// measured service: an account's virtual time grows by its cpu-seconds over its weight, and the account whose virtual
 /// time is lowest is served first. Predicted costs only order the frames within one account.
 ///
-/// An account that received less than the others may catch up by a bounded amount, kCreditSeconds of its share. Thus a
-/// museum within its share does not wait for one that takes all it can get, and idle museums do not save up more.
+/// An account that took less than the others may catch up with a bounded amount: kCreditSeconds of its share. So a museum
+/// within its share does not wait for one that takes all it can get, and nobody saves up more by being away. Whoever
+/// returns after it had no frame in flight begins at the virtual time of an imagined account that always takes just its
+/// share. So among museums within their shares the one that asked first is first, with or without a greedy museum beside
+/// them, and none waits for the others for long because it had a little more a while ago.
 ///
 /// An account that has used up its quota is served after all others (WorkClass::kSpare); an otherwise idle farm still
 /// serves it at full speed. Each class of work has a separate virtual time. Pure; thread-bound.
@@ -58,11 +61,15 @@ class Accounts {
   /// Charges the account for time that a node has spent. Ignored for an account without a name whose session is closed.
   void charge(AccountId account, WorkClass work, double cpu_seconds, TimePoint now);
 
-  /// Sets the number of threads of all nodes, which determines how much an account may catch up.
+  /// Sets the cpu-seconds that all nodes give per second, which determine everybody's share.
   void set_threads(double threads) { threads_ = threads; }
   [[nodiscard]] bool is_over_quota(AccountId account, TimePoint now) const;
   [[nodiscard]] double weight(AccountId account) const;
-  /// Returns the cpu-seconds charged since the account was first opened; 0 for an unknown account.
+  /// Returns what the account has received so far, in virtual time; 0 for an unknown one.
+  [[nodiscard]] double received(AccountId account, WorkClass work) const;
+  /// Returns what an account may catch up with, in virtual time.
+  [[nodiscard]] double credit() const;
+  /// Cpu-seconds charged since the account was first opened; 0 for an unknown one.
   [[nodiscard]] double charged_seconds(AccountId account) const;
 
   /// Seconds of its share of the farm by which an account may catch up.
@@ -74,9 +81,10 @@ class Accounts {
  private:
   /// The work of one account in one class.
   struct Flow {
-    double time = 0.0;      ///< Virtual time.
-    double reserved = 0.0;  ///< Predicted cpu-seconds of the frames in flight.
-    int frames = 0;         ///< Number of frames in flight.
+    double time = 0.0;         ///< Virtual time.
+    double last_charge = 0.0;  ///< What it grew by at last.
+    double reserved = 0.0;     ///< Predicted cpu-seconds of the frames in flight.
+    int frames = 0;            ///< In flight.
   };
   struct Account {
     std::string museum{};
@@ -87,11 +95,18 @@ class Accounts {
     TokenBucket megapixels{0.0, 0.0};
     std::array<Flow, kWorkClasses> flows{};
   };
-  /// Returns the minimum virtual time at which a frame may begin: the highest of the accounts with frames in flight,
-  /// less the credit.
-  [[nodiscard]] double floor_of(std::size_t work) const;
+  /// The imagined account that takes just its share, in one class.
+  struct FairShare {
+    double time = 0.0;    ///< Its virtual time; never decreases.
+    TimePoint at{};       ///< Time of the last update.
+    double latest = 0.0;  ///< The highest virtual time of any account.
+  };
+  /// Updates and returns the virtual time of an account that takes just its share: it grows with the farm's threads, but
+  /// is never more than a credit behind those who have frames in flight, and never ahead of all.
+  [[nodiscard]] double fair_time(std::size_t work, TimePoint now);
 
   double threads_ = 1.0;
+  std::array<FairShare, kWorkClasses> fair_{};
   std::map<AccountId, Account> accounts_;
   std::map<std::string, AccountId> named_;
   std::uint64_t last_id_ = 0;

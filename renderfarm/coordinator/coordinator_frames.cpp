@@ -22,6 +22,11 @@ constexpr double kNodeSeconds = 0.00005;
 /// Minimum cost in cpu-seconds, so that a frame without a measured cost still takes its turn.
 constexpr double kMinCpuSeconds = 1e-4;
 
+/// Part of the credit by which an account's service must differ from what a node knows before it is stated again.
+constexpr double kNoticeable = 0.1;
+/// Maximum accounts that one order states.
+constexpr int kMaxStated = 16;
+
 void add_stage(wire::FrameEnd* end, const char* name, double seconds) {
   wire::StageTime* const stage = end->add_stages();
   stage->set_name(name);
@@ -63,13 +68,13 @@ FrameInFlight* CoordinatorState::find_frame(const BlockLocation& place) {
 
 std::vector<AssignedBlock> CoordinatorState::split(SessionId id, Session& session, const wire::View& view,
                                                    bool whole_blocks) {
-  std::vector<NodeId> nodes = nodes_for(session, view.light());
+  std::vector<NodeId> nodes = nodes_.able(session.scene, session.account, view.light());
   placement_.arrange(id, &nodes);
   std::vector<double> speeds;
   std::vector<double> thread_speeds;
   for (const NodeId at : nodes) {
     const Node& node = nodes_.at(at);
-    speeds.push_back(speed_of(node, session.scene) * placement_.free_part(id, at));
+    speeds.push_back(speeds_.of(node, session.scene) * placement_.free_part(id, at));
     thread_speeds.push_back(node.scenes.at(session.scene).speed);
   }
   balance::SplitRequest request{size_of(view), speeds, view.heading_rad(), shifting_span(view)};
@@ -96,17 +101,14 @@ void CoordinatorState::take_turn(Session& session, FrameInFlight* frame) {
 
 double CoordinatorState::threads_of(const std::vector<AssignedBlock>& blocks) const {
   std::set<NodeId> nodes;
-  double threads = 0.0;
-  for (const AssignedBlock& block : blocks) {
-    if (nodes.insert(block.node).second) threads += nodes_.at(block.node).threads;
-  }
-  return threads;
+  for (const AssignedBlock& block : blocks) nodes.insert(block.node);
+  return nodes_.threads_of(nodes);
 }
 
 void CoordinatorState::place(SessionId id, const Session& session, const std::vector<AssignedBlock>& blocks) {
   std::vector<Placement::NodeWork> works;
   for (const AssignedBlock& block : blocks) {
-    works.push_back({block.node, block.forecast.seconds / speed_of(nodes_.at(block.node), session.scene)});
+    works.push_back({block.node, block.forecast.seconds / speeds_.of(nodes_.at(block.node), session.scene)});
   }
   placement_.planned(id, works, clock_.now());
 }
@@ -157,13 +159,25 @@ void CoordinatorState::order_block(SessionId id, const Session& session, const F
   order->set_account(static_cast<std::uint64_t>(session.account));
   order->set_rank_per_cpu_second(frame.threads / (node.threads * accounts_.weight(session.account)));
   order->set_watermark(session.watermark);
+  Node::WaitingAccount& own = node.accounts[{session.account, frame.turn.work}];
+  ++own.blocks;
+  own.stated = std::max(own.stated, accounts_.received(session.account, frame.turn.work));
+  state_service(node, session.account, order);
   delegate_.to_node(node_id, command);
 }
 
-NodeId CoordinatorState::least_loaded(const std::vector<NodeId>& nodes) const {
-  return *std::ranges::min_element(nodes, {}, [&](NodeId node) {
-    return static_cast<double>(nodes_.at(node).blocks.size()) / nodes_.at(node).threads;
-  });
+void CoordinatorState::state_service(Node& node, AccountId except, wire::RenderBlock* order) const {
+  const double noticeable = kNoticeable * accounts_.credit();
+  for (auto& [name, waiting] : node.accounts) {
+    const auto& [account, work] = name;
+    const double received = accounts_.received(account, work);
+    if (account == except || received - waiting.stated < noticeable) continue;
+    if (order->received_size() == kMaxStated) return;
+    waiting.stated = received;
+    wire::AccountService& service = *order->add_received();
+    service.set_account(static_cast<std::uint64_t>(account));
+    service.set_rank(Accounts::Turn{work, received, 0.0}.rank().wire());
+  }
 }
 
 void CoordinatorState::cancel_blocks(const FrameInFlight& frame) {

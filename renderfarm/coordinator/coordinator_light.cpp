@@ -246,7 +246,7 @@ void CoordinatorState::order_light(const std::string& scene, SceneLightState& li
   }
   std::vector<std::pair<double, NodeId>> others;  // The slowest first.
   for (const auto& [id, node] : nodes_) {
-    if (may_compute(node) && !light.computing.contains(id)) others.emplace_back(speed_of(node, scene), id);
+    if (may_compute(node) && !light.computing.contains(id)) others.emplace_back(speeds_.of(node, scene), id);
   }
   if (others.empty() && light.computing.empty()) {
     light.gathering_since = clock_.now();

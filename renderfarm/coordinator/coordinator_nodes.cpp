@@ -51,10 +51,7 @@ void CoordinatorState::node_connected(NodeId id) {
                   fmt::format("this coordinator accepts {} nodes, and that many are connected", limits_.nodes)));
     return;
   }
-  Node node;
-  node.arrived_at = clock_.now();
-  node.worked_at = clock_.now();
-  nodes_.emplace(id, std::move(node));
+  nodes_.add(id, clock_.now());
 }
 
 void CoordinatorState::node_reported(NodeId id, wire::NodeReport report) {
@@ -105,8 +102,8 @@ Status CoordinatorState::hello(NodeId id, Node& node, const wire::Hello& hello) 
   }
   node.name = printable(hello.name());
   node.threads = hello.threads();
-  count_threads();
-  // Scenes in use come first; scenes ordered later never replace earlier ones.
+  accounts_.set_threads(nodes_.capacity());
+  // Scenes in use come first; a later scene never replaces an earlier one.
   std::vector<FarmScene> order = scenes_;
   std::set<std::string> keep = scenes_in_use();
   std::stable_partition(order.begin(), order.end(), [&](const FarmScene& scene) { return keep.contains(scene.name); });
@@ -226,23 +223,13 @@ Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loade
   if (loaded.has_light()) TRY(add_light(loaded.light(), &asked->second));
   asked->second.can_compute_light = loaded.can_compute_light();
   asked->second.state = Node::SceneState::kLoaded;
-  asked->second.speed = relative_speed(loaded);
+  asked->second.speed = speeds_.relative(loaded);
   delegate_.notice(fmt::format("{} has scene '{}': {:.1f} M triangles, {:.2f} GiB, loaded in {:.1f} s", to_text(node),
                                loaded.scene(), 1e-6 * static_cast<double>(loaded.description().triangles_seen()),
                                static_cast<double>(loaded.memory_bytes()) / (1 << 30), loaded.load_seconds()),
                    about(node));
   follow_light(loaded.scene());
   return Done{};
-}
-
-double CoordinatorState::relative_speed(const wire::SceneLoaded& loaded) {
-  // Probes vary with other load on the host; hosts of the same kind should count as equally fast.
-  constexpr double kAlike = 0.12;
-  constexpr double kMaxSpeedRatio = 100.0;
-  const double seconds = loaded.probe_cpu_seconds();
-  if (!std::isfinite(seconds) || seconds <= 0.0) return 1.0;
-  const double speed = probes_.emplace(loaded.scene(), seconds).first->second / seconds;
-  return std::abs(speed - 1.0) <= kAlike ? 1.0 : std::clamp(speed, 1.0 / kMaxSpeedRatio, kMaxSpeedRatio);
 }
 
 Status CoordinatorState::keep_pareto_front(const wire::SceneLoaded& loaded) {
@@ -296,7 +283,9 @@ Status CoordinatorState::block_ended(NodeId id, Node& node, const wire::BlockEnd
   if (found == node.blocks.end()) return broken(fmt::format("it ended block {}, not its own", end.block()));
   BlockLocation place = found->second;
   node.blocks.erase(found);
-  learn_utilisation(node, end);
+  const auto account = node.accounts.find({place.account, place.work});
+  if (--account->second.blocks == 0) node.accounts.erase(account);
+  NodeSpeeds::learn(&node, end, clock_.now());
   charge(&place, measured_seconds(end.render_cpu_seconds()) + measured_seconds(end.encode_cpu_seconds()));
   FrameInFlight* const frame = find_frame(place);
   if (frame == nullptr || frame->failure) return Done{};
@@ -330,19 +319,12 @@ void CoordinatorState::charge(BlockLocation* place, double cpu_seconds) {
   if (FrameInFlight* const frame = find_frame(*place)) frame->charged_seconds += more;
 }
 
-void CoordinatorState::count_threads() {
-  double threads = 0.0;
-  for (const auto& [id, node] : nodes_) threads += node.threads;
-  accounts_.set_threads(threads);
-}
-
 void CoordinatorState::node_disconnected(NodeId id) {
-  const auto found = nodes_.find(id);
-  if (found == nodes_.end()) return;
-  const Node node = std::move(found->second);
-  nodes_.erase(found);  // Erased first, so that its blocks are not reassigned to it.
+  const std::optional<Node> removed = nodes_.remove(id);  // First, so that its blocks are not reassigned to it.
+  if (!removed) return;
+  const Node& node = *removed;
   placement_.forget(id);
-  count_threads();
+  accounts_.set_threads(nodes_.capacity());
   if (node.threads > 0.0)
     delegate_.notice(fmt::format("{} is gone; {} left", to_text(node), nodes_.size()), trouble_with(node));
   for (const auto& [name, scene] : node.scenes) follow_light(name);

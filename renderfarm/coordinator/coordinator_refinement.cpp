@@ -134,16 +134,16 @@ void CoordinatorState::refine(SessionId id, Session& session) {
   frame.received_at = frame.turn_began_at = frame.planned_at = frame.last_tile_at = clock_.now();
   if (governed.blocks.empty()) governed.blocks = split(id, session, frame.view, true);  // Kept for all refinements.
   take_turn(session, &frame);
-  const std::vector<NodeId> able = nodes_for(session, frame.view.light());
+  const std::vector<NodeId> able = nodes_.able(session.scene, session.account, frame.view.light());
   for (AssignedBlock& block : governed.blocks) {
-    if (std::ranges::find(able, block.node) == able.end()) block.node = least_loaded(able);
+    if (std::ranges::find(able, block.node) == able.end()) block.node = nodes_.least_loaded(able);
   }
   frame.threads = threads_of(governed.blocks);
   for (const AssignedBlock& block : governed.blocks) {
     frame.assembly.plan(++last_block_, block.node, block.rect);
     order_block(id, session, frame, last_block_, block.node, block.rect);
   }
-  session.next_due = next_due(session);
+  session.next_due = deadlines_.next_due(session);
 }
 
 void CoordinatorState::finish_refined(SessionId id, Session& session, FrameInFlight& frame, const FrameReport& report) {

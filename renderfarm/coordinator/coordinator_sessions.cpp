@@ -167,13 +167,7 @@ Status CoordinatorState::check_scene_memory(const Session& session, const std::s
     if (other.account == session.account && !other.scene.empty()) open.insert(other.scene);
   }
   double bytes = 0.0;
-  for (const std::string& name : open) {
-    std::uint64_t max = 0;
-    for (const auto& [id, node] : nodes_) {
-      if (node.has(name)) max = std::max(max, node.scenes.at(name).memory_bytes);
-    }
-    bytes += static_cast<double>(max);
-  }
+  for (const std::string& name : open) bytes += static_cast<double>(nodes_.memory_of(name));
   if (bytes <= session.grant.scene_bytes) return Done{};
   return Error(ErrorCode::kBusy,
                fmt::format("scene '{}': with it, the scenes of '{}' need {:.2f} GiB; its grant allows {:.2f} GiB",

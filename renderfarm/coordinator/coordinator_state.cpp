@@ -14,7 +14,8 @@ CoordinatorState::CoordinatorState(std::vector<FarmScene> scenes, balance::Balan
 }
 
 void CoordinatorState::tick() {
-  compare_nodes();
+  for (const FarmScene& scene : scenes_) speeds_.compare(scene.name, &nodes_, clock_.now());
+  accounts_.set_threads(nodes_.capacity());
   placement_.expire(clock_.now());
   tick_nodes();
   for (const FarmScene& scene : scenes_) follow_light(scene.name);
@@ -38,22 +39,7 @@ const wire::SceneDescription* CoordinatorState::description(const std::string& s
   return known == descriptions_.end() ? nullptr : &known->second;
 }
 
-std::vector<NodeId> CoordinatorState::nodes_for(const Session& session, const std::string& light, NodeId not_to) const {
-  const std::string& scene = session.scene;
-  std::vector<NodeId> all;
-  std::vector<NodeId> prompt;
-  for (const auto& [id, node] : nodes_) {
-    if (!node.has(scene) || id == not_to || (!light.empty() && !node.has_light(scene, light))) continue;
-    all.push_back(id);
-    if (!node.is_late(session.account) && !node.status.draining()) prompt.push_back(id);
-  }
-  return prompt.empty() ? all : prompt;
-}
-
-std::size_t CoordinatorState::nodes_with(const std::string& scene) const {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(nodes_, [&](const auto& entry) { return entry.second.has(scene); }));
-}
+std::size_t CoordinatorState::nodes_with(const std::string& scene) const { return nodes_.count_with(scene); }
 
 std::string CoordinatorState::summary() const {
   if (nodes_.empty()) return "no node is connected; start cyclorama-node on the render hosts";

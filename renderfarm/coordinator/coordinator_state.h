@@ -12,8 +12,11 @@
 #include "common/wire/farm.pb.h"
 #include "common/wire/nodes.pb.h"
 #include "renderfarm/coordinator/accounts.h"
+#include "renderfarm/coordinator/deadlines.h"
 #include "renderfarm/coordinator/delegate.h"
 #include "renderfarm/coordinator/ids.h"
+#include "renderfarm/coordinator/node_speeds.h"
+#include "renderfarm/coordinator/node_table.h"
 #include "renderfarm/coordinator/placement.h"
 #include "renderfarm/coordinator/session.h"
 #include "renderfarm/trust/grants.h"
@@ -49,11 +52,14 @@ struct CoordinatorLimits {
 /// whom. Pure: it uses no threads, sockets or system clock. Events arrive as calls; commands leave through
 /// CoordinatorDelegate. Used by Coordinator; thread-bound.
 ///
-/// Frames of a session: a view waits in one slot, in which a newer view replaces it, until fewer than two frames are
-/// unfinished or unwritten. It is then split among the nodes that have the scene, and all blocks are sent at once, so
-/// that a node can start its next block as soon as it has sent the previous one. Nodes serve blocks by rank (see
-/// Accounts), so museums take turns. If two frames are in flight, the tiles of the older one are relayed to the museum
-/// as they arrive, and the tiles of the newer one are held.
+/// Its parts have one duty each and can be tested alone: NodeTable (who can do what), NodeSpeeds (how fast they are),
+/// Deadlines (what is late), Accounts (whose turn it is) and Placement (which nodes a session uses).
+///
+/// Frames of a session: a view waits in one slot (the newest wins) until fewer than two frames are unfinished or
+/// unwritten. It is then split among the nodes that have the scene, and all blocks are sent at once, so that a node
+/// starts its next block as soon as it has sent the last one. Nodes serve blocks by rank (see Accounts), so museums
+/// take turns. Of two frames, the tiles of the older one are relayed to the museum as they arrive, and those of the
+/// newer one are held.
 ///
 /// A session with a frame budget is governed: a Governor chooses the quality of each view. After a while without a
 /// request, the last view is refined, picture by picture, until the reference quality is reached. A refined picture is
@@ -127,7 +133,6 @@ class CoordinatorState {
   Status block_progressed(Node& node, const wire::BlockProgress& progress);
   /// Charges the block's account for the time that the node has spent on the block so far.
   void charge(BlockLocation* place, double cpu_seconds);
-  void count_threads();
   void tick_nodes();
   void order_scene(NodeId id, Node& node, const FarmScene& scene, const std::set<std::string>& keep);
   /// Orders a scene for a session if no node has it: nodes that dropped it, or failed to load it a while ago, try
@@ -136,16 +141,6 @@ class CoordinatorState {
   [[nodiscard]] std::set<std::string> scenes_in_use() const;
   void status_received(Node& node, const wire::NodeStatus& status);
   Status scene_dropped(Node& node, const wire::SceneDropped& dropped);
-  /// Returns the speed of one thread of the node that loaded the scene, relative to the first node that loaded it.
-  [[nodiscard]] double relative_speed(const wire::SceneLoaded& loaded);
-  void learn_utilisation(Node& node, const wire::BlockEnd& end);
-  /// Updates the median utilisation of each scene's nodes.
-  void compare_nodes();
-  /// Returns the speed of all threads of the node; 1 is one thread of the first node that reported a speed.
-  [[nodiscard]] double speed_of(const Node& node, const std::string& scene) const;
-  /// Returns speed_of() per wall-clock time. Forecasts are in thread time, and nodes may share their hosts with other
-  /// work.
-  [[nodiscard]] double wall_speed_of(const Node& node, const std::string& scene) const;
 
   // Light computed ahead: coordinator_light.cpp
   Status scene_light(NodeId id, Node& node, const wire::SceneLight& report);
@@ -201,15 +196,7 @@ class CoordinatorState {
   /// Checks the deadlines of the session's oldest frame. May end the session.
   void watch(SessionId id);
   void meet_deadlines(SessionId id);
-  [[nodiscard]] TimePoint next_due(const Session& session) const;
-  [[nodiscard]] static Duration measure_of(const Session& session);
-  [[nodiscard]] TimePoint due_at(const Session& session, const FrameInFlight& frame,
-                                 const FrameAssembly::Block& block) const;
-  /// Returns the nodes that delay the frame while others are done with it.
-  [[nodiscard]] std::vector<NodeId> silent_nodes(const Session& session, const FrameInFlight& frame) const;
-  [[nodiscard]] bool has_idle_node(const Session& session, const FrameInFlight& frame) const;
-  /// Marks the node as late for the account: it gets no more blocks of the account, and its outstanding tiles are
-  /// reassigned.
+  /// Marks the node as late for the account: it gets no more of its blocks, and what it owes is reassigned.
   void retire(NodeId id, AccountId account);
   void log_late_node(Node& node);
   void lose_blocks(const std::map<std::uint64_t, BlockLocation>& blocks, NodeId not_to);
@@ -223,9 +210,10 @@ class CoordinatorState {
                                                  bool whole_blocks);
   /// Records in the placement how much time of the nodes the frame will take.
   void place(SessionId id, const Session& session, const std::vector<AssignedBlock>& blocks);
-  [[nodiscard]] NodeId least_loaded(const std::vector<NodeId>& nodes) const;
   void order_block(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block, NodeId node,
                    const PixelRect& rect);
+  /// Adds what the other accounts with blocks at the node have received elsewhere, if that is much.
+  void state_service(Node& node, AccountId except, wire::RenderBlock* order) const;
   void fail(FrameInFlight& frame, const std::string& reason, Session& session);
   /// Determines the frame's position in the order of all museums' frames.
   void take_turn(Session& session, FrameInFlight* frame);
@@ -242,25 +230,20 @@ class CoordinatorState {
   void end(SessionId id, Session& session, const FrameInFlight& frame, const FrameReport& report);
   void send(SessionId id, Session& session, wire::SessionReply reply);
   FrameInFlight* find_frame(const BlockLocation& place);
-  /// Returns the nodes that have the session's scene, and this version of its light unless it is empty, and that are
-  /// neither late for its account nor draining. If there are none, includes late and draining nodes. Never includes
-  /// `not_to`.
-  [[nodiscard]] std::vector<NodeId> nodes_for(const Session& session, const std::string& light,
-                                              NodeId not_to = {}) const;
 
   std::vector<FarmScene> scenes_;
   const balance::BalanceStrategy strategy_;
   const CoordinatorLimits limits_;
   const Clock& clock_;
   CoordinatorDelegate& delegate_;
-  std::map<NodeId, Node> nodes_;
+  NodeTable nodes_;
+  NodeSpeeds speeds_;
+  const Deadlines deadlines_{nodes_, speeds_, clock_};
   std::map<SessionId, Session> sessions_;
   std::map<std::string, wire::SceneDescription> descriptions_;  ///< Scenes that any node has loaded so far.
   std::map<std::string, governor::ParetoFront> pareto_fronts_;  ///< Pareto fronts of the measured scenes, by scene.
   std::map<std::string, SceneLightState> lights_;               ///< State of each scene's light.
-  std::map<std::string, int> bounces_;                          ///< Number of bounces that nodes stated, by scene.
-  std::map<std::string, double> probes_;                        ///< Probe time of the first node to report, by scene.
-  std::map<std::string, double> usual_utilisation_;             ///< Median of the nodes at the last tick, by scene.
+  std::map<std::string, int> bounces_;                          ///< Bounces that nodes stated, by scene.
   Accounts accounts_;
   Placement placement_;
   std::uint64_t last_block_ = 0;

@@ -34,6 +34,7 @@ void FrameAssembly::plan(std::uint64_t block, NodeId node, const PixelRect& rect
     ++missing_[tile];
   }
   CHECK(blocks_.emplace(block, Block{node, rect, forecast, tiles}).second);
+  ++outstanding_[node];
 }
 
 void FrameAssembly::replan(std::uint64_t block, NodeId node, const PixelRect& tile) {
@@ -70,11 +71,19 @@ std::vector<PixelRect> FrameAssembly::cut(const PixelRect& tile, std::size_t par
 void FrameAssembly::move(std::uint64_t from, std::uint64_t block, NodeId node, double speed) {
   Block& left = blocks_.at(from);
   CHECK(left.wanted && !left.ended && left.delivered == 0);
+  settle(left);
   left.wanted = false;
   left.moved = true;
   Block taken{node, left.rect, left.forecast, left.tiles};
   taken.forecast.speed = speed;
   CHECK(blocks_.emplace(block, std::move(taken)).second);
+  ++outstanding_[node];
+}
+
+void FrameAssembly::settle(const Block& block) {
+  if (!block.is_outstanding()) return;
+  const auto owing = outstanding_.find(block.node);
+  if (--owing->second == 0) outstanding_.erase(owing);
 }
 
 bool FrameAssembly::take(const PixelRect& tile) {
@@ -107,6 +116,7 @@ FrameAssembly::Verdict FrameAssembly::accept(std::uint64_t block, const PixelRec
 
 void FrameAssembly::end(std::uint64_t block, const wire::BlockEnd& end) {
   Block& ended = blocks_.at(block);
+  settle(ended);
   ended.ended = true;
   ended.end = end;
 }
@@ -114,6 +124,7 @@ void FrameAssembly::end(std::uint64_t block, const wire::BlockEnd& end) {
 std::vector<PixelRect> FrameAssembly::give_up(std::uint64_t block) {
   Block& lost = blocks_.at(block);
   std::vector<PixelRect> orphans;
+  settle(lost);
   if (!std::exchange(lost.wanted, false)) return orphans;
   for (const PixelRect& tile : lost.tiles) {
     const auto missing = missing_.find(tile);

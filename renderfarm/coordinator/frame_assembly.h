@@ -42,6 +42,8 @@ class FrameAssembly {
     bool wanted = true;         ///< False once its remaining tiles were assigned to others.
     bool ended = false;
     wire::BlockEnd end{};
+    /// Returns true while its node owes the rest of it.
+    [[nodiscard]] bool is_outstanding() const { return !ended && wanted; }
   };
   enum class Verdict {
     kNew,
@@ -70,7 +72,9 @@ class FrameAssembly {
 
   [[nodiscard]] bool has(std::uint64_t block) const { return blocks_.contains(block); }
   [[nodiscard]] const std::map<std::uint64_t, Block>& blocks() const { return blocks_; }
-  /// Returns the number of times that a tile was assigned to nodes that are rendering it or have failed.
+  /// Returns true while the node owes a block.
+  [[nodiscard]] bool waits_for(NodeId node) const { return outstanding_.contains(node); }
+  /// Returns how often a tile was assigned to nodes that are rendering it or have failed.
   [[nodiscard]] int attempts(const PixelRect& tile) const;
   /// Returns true once all tiles have arrived and, unless blocks were reassigned, all wanted blocks have ended.
   [[nodiscard]] bool is_complete() const;
@@ -95,7 +99,11 @@ class FrameAssembly {
   bool take(const PixelRect& tile);
   [[nodiscard]] bool is_untouched(const PixelRect& tile) const;
 
+  /// To be called before the block ends or is no longer wanted.
+  void settle(const Block& block);
+
   std::map<std::uint64_t, Block> blocks_;
+  std::map<NodeId, int> outstanding_;  ///< Number of outstanding blocks of each node that owes any.
   std::map<PixelRect, int> attempts_;
   std::map<PixelRect, int> missing_;                   ///< Number of wanted blocks that contain each missing tile.
   std::map<PixelRect, std::vector<PixelRect>> parts_;  ///< Parts of cut tiles. Each part is in `missing_` or delivered.

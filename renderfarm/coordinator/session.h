@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/clock.h"
@@ -148,7 +149,13 @@ struct Node {
   TimePoint measured_at{};                    ///< Time of the last measurement or estimate.
   wire::NodeStatus status{};                  ///< Latest status report.
   std::map<std::string, LoadedScene> scenes{};
-  std::map<std::uint64_t, BlockLocation> blocks{};  ///< Assigned blocks that have not ended, still wanted or not.
+  /// An account's blocks of one class here.
+  struct WaitingAccount {
+    std::size_t blocks = 0;
+    double stated = 0.0;  ///< What the node knows of the service that the account received, in virtual time.
+  };
+  std::map<std::pair<AccountId, WorkClass>, WaitingAccount> accounts{};  ///< Those of `blocks`.
+  std::map<std::uint64_t, BlockLocation> blocks{};  ///< Assigned and not yet ended, whether or not still wanted.
 
   /// Returns true if the node gets no new blocks of the account while other nodes do.
   [[nodiscard]] bool is_late(AccountId account) const { return late_for.size() > 1 || late_for.contains(account); }

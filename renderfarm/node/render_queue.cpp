@@ -41,7 +41,19 @@ bool RenderQueue::add(std::shared_ptr<BlockOrder> order) {
   const Entry entry{{work, order->link, order->block.account()}, {position + lane.shift, arrivals_++}, order};
   flows_[entry.flow].waiting.emplace(entry.turn, std::move(order));
   entries_.emplace(name, entry);
+  take_service(entry.order->block, entry.order->link);
   return true;
+}
+
+void RenderQueue::take_service(const wire::RenderBlock& block, LinkId link) {
+  for (const wire::AccountService& service : block.received()) {
+    const Rank rank = Rank::of(service.rank());
+    const auto work = static_cast<std::size_t>(rank.work);
+    const auto flow = flows_.find({work, link, service.account()});
+    if (flow == flows_.end()) continue;
+    flow->second.received =
+        std::max(flow->second.received, static_cast<double>(rank.position) + lanes_.at(link)[work].shift);
+  }
 }
 
 void RenderQueue::leave_flow(const Entry& entry) {

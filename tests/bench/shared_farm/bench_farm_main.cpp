@@ -27,6 +27,7 @@ nlohmann::json fairness(double seconds, bool all) {
       if (all)
         fmt::print("  {:32} {:9.3f} {:9.1f} {:9.2f}\n", museum.name, museum.share, museum.p99_ms, museum.p99_ratio);
     }
+    if (!each.is_greedy()) continue;
     share_min = std::min(share_min, each.share_min());
     p99_ratio = std::max(p99_ratio, each.p99_ratio());
   }

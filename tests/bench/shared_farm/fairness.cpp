@@ -16,6 +16,7 @@ constexpr int kMuseums = 10;
 constexpr double kWarmUp = 5.0;
 /// Part of its fair share that an honest museum requests.
 constexpr double kRequested = 0.9;
+constexpr const char* kTenth = "a tenth like the others";
 
 double cost_of(const MuseumDemand& demand) {
   wire::View view;
@@ -31,9 +32,9 @@ double cost_of(const MuseumDemand& demand) {
 }
 
 /// Pictures of all sizes and qualities, each at the rate that requests kRequested of a fair share.
-std::vector<MuseumDemand> honest_museums() {
+std::vector<MuseumDemand> honest_museums(int count) {
   std::vector<MuseumDemand> museums;
-  for (int i = 0; i < kMuseums - 1; ++i) {
+  for (int i = 0; i < count; ++i) {
     MuseumDemand demand;
     demand.name = "honest " + std::to_string(i + 1);
     demand.width_px = i % 3 == 0 ? 384 : i % 3 == 1 ? 512 : 640;
@@ -87,6 +88,8 @@ Outcome simulate(const std::vector<MuseumDemand>& museums, double seconds) {
 
 }  // namespace
 
+bool FairnessCase::is_greedy() const { return greed != kTenth; }
+
 double FairnessCase::share_min() const {
   double min = 1.0;
   for (const HonestMuseum& museum : honest) min = std::min(min, museum.share);
@@ -100,7 +103,7 @@ double FairnessCase::p99_ratio() const {
 }
 
 std::vector<FairnessCase> measure_fairness(double seconds) {
-  const std::vector<MuseumDemand> honest = honest_museums();
+  const std::vector<MuseumDemand> honest = honest_museums(kMuseums - 1);
   const auto case_of = [&](const std::string& greed, const Outcome& outcome, const Outcome& without) {
     FairnessCase made{greed, {}, outcome.utilisation, outcome.coordinator_ms_per_frame};
     for (const MuseumDemand& demand : honest) {
@@ -113,7 +116,8 @@ std::vector<FairnessCase> measure_fairness(double seconds) {
     return made;
   };
   const Outcome without = simulate(honest, seconds);
-  std::vector<FairnessCase> cases{case_of("none", without, without)};
+  std::vector<FairnessCase> cases{case_of("none", without, without),
+                                  case_of(kTenth, simulate(honest_museums(kMuseums), seconds), without)};
   for (const MuseumDemand& greed : kinds_of_greed()) {
     std::vector<MuseumDemand> all = honest;
     all.push_back(greed);

@@ -92,7 +92,9 @@ void SharedFarm::add_museum(const MuseumDemand& demand) {
 
 void SharedFarm::open_session(const MuseumDemand& demand) {
   const coordinator::SessionId id{++last_id_};
-  sessions_.emplace(id, Session{demand});
+  Session& session = sessions_.emplace(id, Session{demand}).first->second;
+  std::seed_seq seed(demand.name.begin(), demand.name.end());
+  session.random.seed(seed);
   wire::SessionRequest open;
   open.mutable_open()->set_museum(demand.name);
   open.mutable_open()->set_frame_budget_ms(demand.budget_ms);
@@ -114,7 +116,7 @@ void SharedFarm::request(coordinator::SessionId id) {
   if (found == sessions_.end()) return;
   Session& session = found->second;
   // Uneven, or the phases of the museums would decide who waits for whom.
-  const double pause = std::uniform_real_distribution(0.5, 1.5)(random_) / session.demand.frames_per_second;
+  const double pause = std::uniform_real_distribution(0.5, 1.5)(session.random) / session.demand.frames_per_second;
   at(seconds() + pause, [this, id] { request(id); });
   if (session.in_flight >= kWindow && !session.demand.ignores_window) return;
   ++session.in_flight;

@@ -85,6 +85,8 @@ class SharedFarm final : private coordinator::CoordinatorDelegate {
     std::uint64_t number = 0;  ///< The last view's.
     int in_flight = 0;
     std::map<std::uint64_t, TimePoint> requested_at{};
+    /// Of the times between two requests. Each museum has its own, so that it requests the same beside any others.
+    std::mt19937 random{};
   };
   using Event = std::function<void()>;
   struct Scheduled {
@@ -125,7 +127,6 @@ class SharedFarm final : private coordinator::CoordinatorDelegate {
   std::uint64_t order_ = 0;
   std::uint64_t last_id_ = 0;
   double coordinator_seconds_ = 0.0;
-  std::mt19937 random_{1};
 };
 
 }  // namespace cyclorama

@@ -120,6 +120,38 @@ TEST(Accounts, serve_a_museum_within_its_share_before_one_that_takes_all_it_can_
   }
 }
 
+TEST(Accounts, serve_museums_within_their_shares_in_the_order_of_their_requests_whatever_they_took_before) {
+  Accounts accounts;
+  accounts.set_threads(1.0);
+  const AccountId seldom = accounts.open("seldom", {});
+  const AccountId often = accounts.open("often", {});
+  const auto begin = [&](AccountId id, double seconds) { return accounts.begin(id, {false, 0.01, 1.0}, at(seconds)); };
+  const auto before = begin(often, 0.0);
+  accounts.charge(often, before.work, 0.4, at(0.4));  // Less than the credit.
+  accounts.end(often, before);
+  const auto first = begin(often, 1.0);
+  const auto second = begin(seldom, 1.001);
+  EXPECT_LE(first.rank().wire(), second.rank().wire());
+  accounts.end(often, first);
+  accounts.end(seldom, second);
+  // A third, which takes all it can get, changes nothing.
+  std::vector<Demander> greedy{{accounts.open("greedy", {}), 0.001, 0.001, 8}};
+  serve(accounts, greedy, 10.0, 2.0);
+  EXPECT_LE(begin(often, 12.0).rank().wire(), begin(seldom, 12.001).rank().wire());
+}
+
+TEST(Accounts, leave_a_museum_that_waits_its_place_when_it_requests_more) {
+  Accounts accounts;
+  accounts.set_threads(1.0);
+  const AccountId waiting = accounts.open("waiting", {});
+  const auto first = accounts.begin(waiting, {false, 0.1, 1.0}, at(0.0));
+  std::vector<Demander> greedy{{accounts.open("greedy", {}), 0.05, 0.05, 8}};
+  serve(accounts, greedy, 100.0);
+  const auto second = accounts.begin(waiting, {false, 0.1, 1.0}, at(100.0));
+  EXPECT_NEAR(second.start, first.start + 0.1, 1e-9);
+  EXPECT_LT(second.rank().wire(), greedy[0].waiting.front().rank().wire());
+}
+
 TEST(Accounts, serve_work_beyond_a_quota_of_processors_after_everything_else_until_it_is_paid) {
   Accounts accounts;
   const AccountId account = accounts.open("museum", {1.0, 2.0});

@@ -71,6 +71,27 @@ TEST(CoordinatorAccounts, scale_a_nodes_part_to_the_whole_frame) {
   EXPECT_NEAR(orders(s, large, id).at(0).rank_per_cpu_second(), 8.0 / 6.0, 1e-12);
 }
 
+TEST(CoordinatorAccounts, tell_a_node_what_those_who_wait_there_have_received_elsewhere) {
+  FarmSimulation s;
+  const NodeId busy = s.add_node();
+  const NodeId other = s.add_node();
+  const SessionId greedy = open(s, 1, {.museum = "greedy"});
+  const SessionId honest = open(s, 2, {.museum = "honest"});
+  s.request_view(greedy, view_of(1));
+  const wire::RenderBlock elsewhere = orders(s, other, greedy).at(0);
+  wire::NodeReport progress;
+  progress.mutable_progress()->set_block(elsewhere.block());
+  progress.mutable_progress()->set_render_cpu_seconds(50.0);
+  s.state.node_reported(other, progress);
+  s.request_view(honest, view_of(1));
+  const wire::RenderBlock told = orders(s, busy, honest).at(0);
+  ASSERT_EQ(told.received_size(), 1);
+  EXPECT_EQ(told.received(0).account(), elsewhere.account());
+  EXPECT_NEAR(static_cast<double>(told.received(0).rank() - elsewhere.rank()), 50e6, 1.0);
+  s.request_view(honest, view_of(2));
+  EXPECT_EQ(orders(s, busy, honest).back().received_size(), 0) << "it knows that already";
+}
+
 TEST(CoordinatorAccounts, charge_blocks_of_frames_that_were_given_up_and_of_sessions_that_left) {
   FarmSimulation s;
   const NodeId node = s.add_node();

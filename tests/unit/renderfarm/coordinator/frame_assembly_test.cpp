@@ -162,5 +162,28 @@ TEST(FrameAssembly, ignores_invalid_times) {
   EXPECT_EQ(sum.render_seconds, 0.0);
 }
 
+TEST(FrameAssembly, waits_for_the_nodes_that_owe_a_block_whatever_becomes_of_their_blocks) {
+  FrameAssembly frame;
+  const NodeId first{1};
+  const NodeId second{2};
+  frame.plan(1, first, {0, 0, 256, 256});
+  frame.plan(2, first, {256, 0, 256, 256});
+  frame.plan(3, first, {512, 0, 256, 256});
+  EXPECT_TRUE(frame.waits_for(first));
+  EXPECT_FALSE(frame.waits_for(second));
+  frame.move(3, 4, second, 1.0);
+  EXPECT_TRUE(frame.waits_for(second));
+  frame.end(1, {});
+  frame.give_up(1);
+  EXPECT_TRUE(frame.waits_for(first));
+  frame.give_up(2);
+  EXPECT_FALSE(frame.waits_for(first));
+  frame.end(2, {});
+  frame.end(3, {});
+  EXPECT_FALSE(frame.waits_for(first));
+  frame.end(4, {});
+  EXPECT_FALSE(frame.waits_for(second));
+}
+
 }  // namespace
 }  // namespace cyclorama::coordinator

@@ -162,6 +162,27 @@ TEST(RenderQueue, counts_what_an_account_received_elsewhere) {
   EXPECT_NEAR(seconds[1] - seconds[2], 0.030, 0.002);
 }
 
+TEST(RenderQueue, learns_what_an_account_that_waits_received_elsewhere_meanwhile) {
+  RenderQueue queue;
+  const auto all = [](LinkId) { return true; };
+  queue.add(order_of(1, 1, 0));
+  queue.add(order_of(2, 2, kAtRest));
+  const auto later = order_of(3, 3, 900'000);
+  EXPECT_EQ(queue.next(all)->block.block(), 1u);
+  const auto state = [&](std::uint64_t account, std::uint64_t rank) {
+    wire::AccountService& service = *later->block.add_received();
+    service.set_account(account);
+    service.set_rank(rank);
+  };
+  state(1, 1'000'000);
+  state(2, kAtRest + 5);
+  state(77, 1'000'000);
+  queue.add(later);
+  EXPECT_EQ(queue.next(all)->block.block(), 3u) << "account 1 got more from the farm";
+  queue.serve(1, 3, 0.2);
+  EXPECT_EQ(queue.next(all)->block.block(), 1u);
+}
+
 TEST(RenderQueue, tells_how_long_the_first_block_stays_the_first) {
   RenderQueue queue;
   const auto all = [](LinkId) { return true; };

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/base/file.h"
 #include "kiosk/tour/session/site.h"
 #include "renderfarm/node/embree_block_renderer.h"
 #include "tests/bench/walk/walk_case.h"
@@ -92,9 +93,11 @@ Result<WalkedScene> open_scene(const SceneArgument& of) {
   WalkedScene scene;
   TRY_ASSIGN(scene.renderer, node::embree_scene_loader(0)(of.path, [](double) {}));
   if (!of.light.empty()) {
-    TRY_ASSIGN(const auto use_light, scene.renderer->light_from(of.light));
-    use_light();
+    TRY_ASSIGN(const MappedFile file, MappedFile::open(of.light));
+    TRY_ASSIGN(const node::VersionedLight light, scene.renderer->add_light(file.bytes(), of.light));
+    scene.renderer->use_light(light);
   }
+  if (!scene.renderer->note().empty()) fmt::print("{}\n", scene.renderer->note());
   wire::SceneDescription description = scene.renderer->description();
   description.set_name("scene");
   std::string warning;
@@ -259,6 +262,8 @@ int main(int argc, char** argv) {
   program.add_option("--truth-samples", options.pictures.truth_samples, "Per pixel of the pictures that judge");
   program.add_option("--jpeg-quality", options.pictures.frames.jpeg_quality,
                      "Of frames; 0: they reach the display without");
+  program.add_flag("--without-card", options.pictures.without_card,
+                   "As a display on a software renderer filters; with --mesh-cells 2 it is wholly that");
   program.add_option("--mesh-cells", options.pictures.frames.mesh_cells,
                      "Cells of depth between two vertices of the mesh");
   program.add_option("--cost", options.cost_rounds,

@@ -95,7 +95,8 @@ Result<std::unique_ptr<WalkCase>> WalkCase::make(node::BlockRenderer* renderer, 
                                                  double eye_height_m, WalkKind kind, const WalkPictures& pictures) {
   WalkedPath path(site, eye_height_m, kind, pictures.refresh_hz, pictures.refreshes);
   std::unique_ptr<WalkCase> walk(new WalkCase(renderer, std::move(path), pictures));
-  TRY_ASSIGN(walk->shown_, ShownWall::make(walk->wall_));
+  const auto filter = pictures.without_card ? display::MeshFilter::kSharpened : display::MeshFilter::kSharp;
+  TRY_ASSIGN(walk->shown_, ShownWall::make(walk->wall_, filter));
   return walk;
 }
 

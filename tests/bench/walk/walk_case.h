@@ -36,7 +36,7 @@ struct WalkFrames {
   int samples = 4;
   bool stored_light = true;  ///< False: path traced and denoised; the truth reads stored light all the same.
   int jpeg_quality = 0;      ///< 0: frames reach the display without JPEG.
-  int mesh_cells = 1;
+  int mesh_cells = 1;        ///< A display without a card has 2.
 };
 
 struct WalkPictures {
@@ -48,6 +48,7 @@ struct WalkPictures {
   double refresh_hz = 60.0;
   int refreshes = 90;
   WalkFrames frames;
+  bool without_card = false;  ///< Filters as a display on a software renderer.
   /// Folder of one scene's truth, which is written there and read again; empty: none.
   std::filesystem::path truth_in;
 };

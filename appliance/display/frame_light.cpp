@@ -5,8 +5,9 @@
 
 namespace cyclorama::display {
 
-Result<FrameLight> FrameLight::make(const output::Gl& gl, const PictureProgram& program, Texels texels) {
-  TRY_ASSIGN(ReprojectionPainter reprojection, ReprojectionPainter::make(gl, texels));
+Result<FrameLight> FrameLight::make(const output::Gl& gl, const PictureProgram& program, Texels texels,
+                                    MeshFilter filter) {
+  TRY_ASSIGN(ReprojectionPainter reprojection, ReprojectionPainter::make(gl, texels, filter));
   TRY_ASSIGN(FrameReuse reuse, FrameReuse::make(gl, texels));
   return FrameLight(gl, program, std::move(reprojection), std::move(reuse));
 }

@@ -16,7 +16,7 @@ namespace cyclorama::display {
 class FrameLight {
  public:
   /// Errors: kSystem if the driver's compiler refuses a shader, with its message.
-  static Result<FrameLight> make(const output::Gl& gl, const PictureProgram& program, Texels texels);
+  static Result<FrameLight> make(const output::Gl& gl, const PictureProgram& program, Texels texels, MeshFilter filter);
 
   /// Runs each shader once, on a few pixels, because drivers compile a shader when it is first used.
   Status warm_up(const PictureShape& shape);

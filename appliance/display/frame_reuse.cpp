@@ -35,8 +35,7 @@ void main() {
   at = vec3(before.xy * before_per_px.xy + before_per_px.zw, before.z);
 }
 )";
-// The filter is that of Catmull and Rom, without its four corners, which have less than a hundredth of the weight. A
-// bilinear filter would soften the picture again with each frame.
+// A bilinear filter would soften the picture anew for each frame.
 constexpr const char* kFragmentShader = R"(
 uniform LIGHT newest;
 uniform LIGHT earlier;
@@ -53,25 +52,6 @@ const float kShifted_px = 4.0;
 const float kTolerance = 4.0 / 255.0;
 const float kSameSurface = 0.1;
 const float kPerMetre = 1.0 / 409.5;
-
-vec4 weights(float t) {
-  return vec4(t * (t * (1.0 - 0.5 * t) - 0.5), 1.0 + t * t * (1.5 * t - 2.5), t * (0.5 + t * (2.0 - 1.5 * t)),
-              t * t * (0.5 * t - 0.5));
-}
-vec3 sharply(vec2 place) {
-  vec2 corner = floor(place - 0.5);
-  ivec2 base = ivec2(corner);
-  vec4 x = weights(place.x - 0.5 - corner.x);
-  vec4 y = weights(place.y - 0.5 - corner.y);
-  vec3 above = x.y * root_at(earlier, base + ivec2(0, -1)) + x.z * root_at(earlier, base + ivec2(1, -1));
-  vec3 first = x.x * root_at(earlier, base + ivec2(-1, 0)) + x.y * root_at(earlier, base) +
-               x.z * root_at(earlier, base + ivec2(1, 0)) + x.w * root_at(earlier, base + ivec2(2, 0));
-  vec3 second = x.x * root_at(earlier, base + ivec2(-1, 1)) + x.y * root_at(earlier, base + ivec2(0, 1)) +
-                x.z * root_at(earlier, base + ivec2(1, 1)) + x.w * root_at(earlier, base + ivec2(2, 1));
-  vec3 below = x.y * root_at(earlier, base + ivec2(0, 2)) + x.z * root_at(earlier, base + ivec2(1, 2));
-  float sum = 1.0 - (x.x + x.w) * (y.x + y.w);
-  return (y.x * above + y.y * first + y.z * second + y.w * below) / sum;
-}
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -92,7 +72,7 @@ void main() {
   vec2 cell = inner * cells_per_texel.xy + cells_per_texel.zw;
   float seen = float(texelFetch(earlier_depth, ivec2(cell), 0).r) * kPerMetre;
   bool is_same = all(lessThan(abs(inner - place), vec2(0.5))) && abs(seen - at.z) <= kSameSurface * max(seen, at.z) + kPerMetre;
-  vec3 reused = clamp(sharply(inner), max(lowest - kTolerance, 0.0), min(highest + kTolerance, 1.0));
+  vec3 reused = clamp(root_sharply(earlier, inner), max(lowest - kTolerance, 0.0), min(highest + kTolerance, 1.0));
   float share = is_same ? mix(kShare, kShiftedShare, min(parallax_px / kShifted_px, 1.0)) : 1.0;
   vec3 light = mix(reused * reused, fresh * fresh, share);
   texel = written_root(sqrt(light));
@@ -104,7 +84,7 @@ static_assert(PanoramaTexture::kFirstColumn == 1);
 
 Result<FrameReuse> FrameReuse::make(const output::Gl& gl, Texels texels) {
   const std::string vertex_shader = light_shader_version(texels) + kEvenShader + kVertexShader;
-  const std::string fragment_shader = light_shader_header(texels, kEvenShader) + kFragmentShader;
+  const std::string fragment_shader = light_shader_header(texels, kEvenShader) + kSharpFilterShader + kFragmentShader;
   TRY_ASSIGN(output::GlProgram linked, output::GlProgram::link(gl, vertex_shader.c_str(), fragment_shader.c_str()));
   FrameReuse reuse(gl, std::move(linked));
   TRY(gl.check("preparing the reuse of frames"));

@@ -44,6 +44,42 @@ vec3 root_between(LIGHT light, vec2 at, vec2 per_texel) { return sqrt(texture(li
 #endif
 )";
 
+/// Part of the fragment shaders after kLightShader: `root_sharply(light, at)` does what root_between() does, with the
+/// filter of Catmull and Rom, which softens little but may overshoot. The four corners are omitted, which have less than a
+/// hundredth of the weight.
+inline constexpr const char* kSharpFilterShader = R"(
+vec4 sharp_weights(float t) {
+  return vec4(t * (t * (1.0 - 0.5 * t) - 0.5), 1.0 + t * t * (1.5 * t - 2.5), t * (0.5 + t * (2.0 - 1.5 * t)),
+              t * t * (0.5 * t - 0.5));
+}
+vec3 root_sharply(LIGHT light, vec2 at) {
+  vec2 corner = floor(at - 0.5);
+  ivec2 base = ivec2(corner);
+  vec4 x = sharp_weights(at.x - 0.5 - corner.x);
+  vec4 y = sharp_weights(at.y - 0.5 - corner.y);
+  vec3 above = x.y * root_at(light, base + ivec2(0, -1)) + x.z * root_at(light, base + ivec2(1, -1));
+  vec3 first = x.x * root_at(light, base + ivec2(-1, 0)) + x.y * root_at(light, base) +
+               x.z * root_at(light, base + ivec2(1, 0)) + x.w * root_at(light, base + ivec2(2, 0));
+  vec3 second = x.x * root_at(light, base + ivec2(-1, 1)) + x.y * root_at(light, base + ivec2(0, 1)) +
+                x.z * root_at(light, base + ivec2(1, 1)) + x.w * root_at(light, base + ivec2(2, 1));
+  vec3 below = x.y * root_at(light, base + ivec2(0, 2)) + x.z * root_at(light, base + ivec2(1, 2));
+  float sum = 1.0 - (x.x + x.w) * (y.x + y.w);
+  return (y.x * above + y.y * first + y.z * second + y.w * below) / sum;
+}
+)";
+
+/// Vertex shader of a rectangle, whose corners it computes from their numbers: uniform `place`, in clip space.
+inline constexpr const char* kRectangleShader = R"(
+precision highp float;
+uniform vec4 place;  // Left, top, right, bottom.
+void main() {
+  gl_Position = vec4((gl_VertexID & 1) == 0 ? place.x : place.z, (gl_VertexID & 2) == 0 ? place.y : place.w, 0.0, 1.0);
+}
+)";
+[[nodiscard]] inline float in_clip_space(int px, int size) {
+  return 2.0f * static_cast<float>(px) / static_cast<float>(size) - 1.0f;
+}
+
 /// Defines `EVEN`, which marks values that a rasteriser may interpolate without dividing by w, since w is 1 everywhere.
 inline constexpr const char* kEvenShader = R"(
 #extension GL_NV_shader_noperspective_interpolation : enable

@@ -11,14 +11,6 @@
 namespace cyclorama::display {
 namespace {
 
-// Computes a rectangle's corners from the indices of its vertices.
-constexpr const char* kVertexShader = R"(
-precision highp float;
-uniform vec4 place;  // In clip space: left, top, right, bottom.
-void main() {
-  gl_Position = vec4((gl_VertexID & 1) == 0 ? place.x : place.z, (gl_VertexID & 2) == 0 ? place.y : place.w, 0.0, 1.0);
-}
-)";
 // The polynomial approximates ((c + 0.055) / 1.055)^2.4 within 0.013 code values of 8 bits, by Remez exchange; it takes
 // a third of pow()'s time on a software rasteriser.
 constexpr const char* kFragmentShader = R"(
@@ -53,7 +45,7 @@ void filter(const output::Gl& gl, GLint filter, GLint wrap) {
 }  // namespace
 
 Result<PictureProgram> PictureProgram::make(const output::Gl& gl, Texels texels) {
-  const std::string vertex_shader = light_shader_version(texels) + kVertexShader;
+  const std::string vertex_shader = light_shader_version(texels) + kRectangleShader;
   const std::string fragment_shader = light_shader_header(texels) + kFragmentShader;
   TRY_ASSIGN(output::GlProgram linked, output::GlProgram::link(gl, vertex_shader.c_str(), fragment_shader.c_str()));
   PictureProgram program(std::move(linked), texels);
@@ -80,6 +72,7 @@ PanoramaTexture::PanoramaTexture(const output::Gl& gl, const PictureProgram& pro
       light_(make_light()),
       earlier_(make_light()),
       moved_(make_light()),
+      sharpened_(make_light()),
       depth_(gl) {
   gl_->BindTexture(GL_TEXTURE_2D, luma_.texture.id());
   filter(*gl_, GL_NEAREST, GL_CLAMP_TO_EDGE);
@@ -136,10 +129,9 @@ void PanoramaTexture::upload(const GreyImage& pixels, const PixelRect& part, Pla
 }
 
 void PanoramaTexture::draw(const PixelRect& part, int moved_px, int chroma_step) const {
-  const auto clip = [](int px, int size) { return 2.0f * static_cast<float>(px) / static_cast<float>(size) - 1.0f; };
   const int left = part.x + kFirstColumn + moved_px;
-  gl_->Uniform4f(program_->place_, clip(left, light_.width), clip(part.y, light_.height),
-                 clip(left + part.width, light_.width), clip(part.y + part.height, light_.height));
+  gl_->Uniform4f(program_->place_, in_clip_space(left, light_.width), in_clip_space(part.y, light_.height),
+                 in_clip_space(left + part.width, light_.width), in_clip_space(part.y + part.height, light_.height));
   const float moved = static_cast<float>(-kFirstColumn - moved_px);
   const auto coordinates = [&](GLint uniform, const Plane& plane, int step) {
     const float per_x = 1.0f / static_cast<float>(step * plane.width);
@@ -173,6 +165,7 @@ Status PanoramaTexture::upload(const DisplayFrame& frame) {
   stacked_ = frame.stacked;
   chroma_step_ = step;
   is_moved_ = false;
+  is_sharpened_ = false;
   convert(frame);
   return gl_->check("uploading a frame");
 }
@@ -193,6 +186,14 @@ Status PanoramaTexture::bind_drawn() {
   // Drawing from the same eye needs no depth buffer, and a smaller one would cut the picture off.
   gl_->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, 0);
   gl_->Viewport(0, 0, moved_.width, moved_.height);
+  return Done{};
+}
+
+Status PanoramaTexture::bind_sharpened() {
+  TRY(grow(light_.width, light_.height, &sharpened_));
+  gl_->BindFramebuffer(GL_FRAMEBUFFER, sharpened_.target.id());
+  gl_->Viewport(0, 0, sharpened_.width, sharpened_.height);
+  is_sharpened_ = true;
   return Done{};
 }
 

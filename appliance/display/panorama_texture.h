@@ -32,8 +32,8 @@ class PictureProgram {
 /// each side of the picture: for a whole turn, a copy of the column at the opposite side; otherwise a copy of the edge
 /// column, so that clamping repeats it.
 ///
-///     planes ──upload()──▶ light() ──ReprojectionPainter──▶ moved ──▶ id(), for pass 2
-///                           │  ▲ └──────────── at its own eye ──────────────▲
+///     planes ──upload()──▶ light() ──▶ sharpened() ──ReprojectionPainter──▶ moved ──▶ id(), for pass 2
+///                           │  ▲ └───────────────── at its own eye ───────────────────▲
 ///                    keep() ▼  │ FrameReuse
 ///                         earlier()
 ///
@@ -84,7 +84,16 @@ class PanoramaTexture {
   /// result the frame's light. Errors: kSystem if the driver cannot draw into it.
   Status bind_drawn();
   [[nodiscard]] const Light& drawn() const { return moved_; }
-  void take_drawn() { std::swap(light_, moved_); }
+  void take_drawn() {
+    std::swap(light_, moved_);
+    is_sharpened_ = false;
+  }
+  /// light(), made ready for a bilinear filter (light_sharpener.h); once bind_sharpened() was called since the
+  /// light changed, and a pass drew it.
+  [[nodiscard]] const Light& sharpened() const { return sharpened_; }
+  [[nodiscard]] bool is_sharpened() const { return is_sharpened_; }
+  /// Binds the framebuffer of sharpened(), at least of light()'s size. Errors: kSystem if the driver cannot draw so.
+  Status bind_sharpened();
 
  private:
   struct Plane {
@@ -109,9 +118,11 @@ class PanoramaTexture {
   Plane blue_;
   Plane red_;
   Light light_;
-  Light earlier_;  // Empty until keep().
-  Light moved_;    // Empty until bind_moved() or bind_drawn().
+  Light earlier_;    // Empty until keep().
+  Light moved_;      // Empty until bind_moved() or bind_drawn().
+  Light sharpened_;  // Empty until bind_sharpened().
   bool is_moved_ = false;
+  bool is_sharpened_ = false;
   output::GlRenderbuffer depth_;  // Has no storage until bind_moved().
   int depth_width_ = 0;
   int depth_height_ = 0;

@@ -33,7 +33,7 @@ Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadP
   TRY_ASSIGN(PictureProgram program, PictureProgram::make(gl, texels));
   mailbox->stepped_at = clock->now();
   std::unique_ptr<Presenter> presenter(new Presenter(output, std::move(program), times, mailbox, clock));
-  TRY_ASSIGN(FrameLight light, FrameLight::make(gl, presenter->picture_program_, texels));
+  TRY_ASSIGN(FrameLight light, FrameLight::make(gl, presenter->picture_program_, texels, mesh_filter_for(gl)));
   presenter->light_.emplace(std::move(light));
   TRY_ASSIGN(presenter->heads_, HeadTransition::make(gl, texels, std::move(plans), &mailbox->plans));
   for (const HeadPainter& painter : presenter->heads_->painters())

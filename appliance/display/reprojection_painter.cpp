@@ -28,22 +28,36 @@ constexpr const char* kFragmentShader = R"(
 uniform LIGHT source_light;
 uniform vec2 per_texel;
 EVEN in vec2 at;
+#ifdef SHARP
+void main() { texel = written_root(clamp(root_sharply(source_light, at), 0.0, 1.0)); }
+#else
 void main() { texel = written_root(root_between(source_light, at, per_texel)); }
+#endif
 )";
 
 }  // namespace
 
-Result<ReprojectionPainter> ReprojectionPainter::make(const output::Gl& gl, Texels texels) {
+MeshFilter mesh_filter_for(const output::Gl& gl) {
+  return is_software_renderer(gl.renderer()) ? MeshFilter::kSharpened : MeshFilter::kSharp;
+}
+
+Result<ReprojectionPainter> ReprojectionPainter::make(const output::Gl& gl, Texels texels, MeshFilter filter) {
   const std::string vertex_shader = light_shader_version(texels) + kEvenShader + kVertexShader;
-  const std::string fragment_shader = light_shader_header(texels, kEvenShader) + kFragmentShader;
+  const std::string fragment_shader = light_shader_header(texels, kEvenShader) + kSharpFilterShader +
+                                      (filter == MeshFilter::kSharp ? "#define SHARP\n" : "") + kFragmentShader;
   TRY_ASSIGN(output::GlProgram linked, output::GlProgram::link(gl, vertex_shader.c_str(), fragment_shader.c_str()));
-  ReprojectionPainter painter(gl, std::move(linked));
+  std::optional<LightSharpener> sharpener;
+  if (filter == MeshFilter::kSharpened) {
+    TRY_ASSIGN(sharpener, LightSharpener::make(gl, texels));
+  }
+  ReprojectionPainter painter(gl, std::move(linked), std::move(sharpener));
   TRY(gl.check("preparing the reprojection"));
   return painter;
 }
 
-ReprojectionPainter::ReprojectionPainter(const output::Gl& gl, output::GlProgram program)
-    : gl_(&gl), program_(std::move(program)), buffers_(gl) {
+ReprojectionPainter::ReprojectionPainter(const output::Gl& gl, output::GlProgram program,
+                                         std::optional<LightSharpener> sharpener)
+    : gl_(&gl), program_(std::move(program)), sharpener_(std::move(sharpener)), buffers_(gl) {
   to_clip_ = program_.uniform("to_clip");
   per_texel_ = program_.uniform("per_texel");
   moved_across_ = program_.uniform("moved_across");
@@ -54,8 +68,9 @@ ReprojectionPainter::ReprojectionPainter(const output::Gl& gl, output::GlProgram
 Status ReprojectionPainter::draw(const ReprojectionMesh& mesh, const Eigen::Vector3d& eye_m,
                                  PanoramaTexture* panorama) {
   mesh.move(eye_m, &moved_);
+  if (sharpener_ && !panorama->is_sharpened()) TRY(sharpener_->draw(panorama));
   TRY(panorama->bind_moved());
-  const PanoramaTexture::Light& light = panorama->light();
+  const PanoramaTexture::Light& light = sharpener_ ? panorama->sharpened() : panorama->light();
   gl_->ActiveTexture(GL_TEXTURE0);
   gl_->BindTexture(GL_TEXTURE_2D, light.texture.id());
   gl_->UseProgram(program_.id());

@@ -14,7 +14,7 @@ constexpr double kSameRate = 0.02;
 /// Half of the requested rate costs as much as a quarter of the requested pixels.
 constexpr double kRateWeight = 4.0;
 /// Half of the requested pixels cost as much as a rate that is a quarter below the requested one. Twice the requested
-/// pixels cost half as much as half of them.
+/// pixels cost half as much as half of the requested pixels.
 constexpr double kSmallerWeight = 1.0;
 constexpr double kLargerWeight = 0.5;
 

@@ -43,8 +43,8 @@ struct BakeSettings {
   std::uint64_t seed = 1;
   int check_eyes = 32;  ///< Held-out eyes from which the result is compared with path tracing; 0: none.
 
-  /// Returns the number of rays per sample: an equal share of min_rays / `divisor` for each of `samples` samples, rounded
-  /// down to a power of two and limited to kMaxRaysOfSample; but never less than `rays`.
+  /// Returns the number of rays per sample: an equal share of min_rays / `divisor` for each of `samples` samples,
+  /// rounded down to a power of two and limited to kMaxRaysOfSample, but never less than `rays`.
   [[nodiscard]] int rays_of(int rays, std::uint64_t samples, int divisor) const;
   [[nodiscard]] GatherSettings gathering(int rays, int bounces) const {
     return {rays, bounces, static_cast<float>(surface_error), dim_light};

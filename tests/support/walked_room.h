@@ -89,7 +89,7 @@ inline DisplayFrame frame_of(const World& world, const Projection& picture, cons
 /// GL context.
 class Drawing {
  public:
-  explicit Drawing(const Projection& picture, Texels texels = Texels::kHalves)
+  explicit Drawing(const Projection& picture, Texels texels = Texels::kHalves, MeshFilter filter = MeshFilter::kSharp)
       : width_(picture.width_px() / 2), height_(height_px(picture.shape) / 2) {
     auto opened = output::open_headless_output({{{"head", width_, height_}}, 100.0, {}, {}}, clock_);
     CHECK(opened.has_value());
@@ -115,7 +115,7 @@ class Drawing {
     auto painter = HeadPainter::make(gl, &*programs_, plan, texels);
     CHECK(painter.has_value());
     painter_.emplace(*std::move(painter));
-    auto light = FrameLight::make(gl, *program_, texels);
+    auto light = FrameLight::make(gl, *program_, texels, filter);
     CHECK(light.has_value());
     light_.emplace(*std::move(light));
   }

@@ -12,8 +12,8 @@ namespace cyclorama::camera {
 /// decodes forwards, so an index below the last one restarts from the beginning.
 class Video final : public ImageSequence {
  public:
-  /// Errors: kNotFound if there is no such file; kBadData if the file is not an MP4, Matroska or AVI, is damaged, has no
-  /// pictures that libavcodec can decode, or its pictures have more than kPhotoLimitPx pixels.
+  /// Errors: kNotFound if there is no such file; kBadData if it is not an MP4, Matroska or AVI file, is damaged, has no
+  /// pictures that libavcodec can decode, or has pictures of more than kPhotoLimitPx pixels.
   static Result<std::unique_ptr<ImageSequence>> open(const std::filesystem::path& path);
   ~Video() override;
 

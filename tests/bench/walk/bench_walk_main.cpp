@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/base/file.h"
 #include "kiosk/tour/session/site.h"
 #include "renderfarm/node/embree_block_renderer.h"
 #include "tests/bench/walk/walk_case.h"
@@ -18,6 +20,7 @@ namespace cyclorama {
 namespace {
 
 constexpr double kUnevenJitter_ms = 80.0;
+constexpr int kFixedLatency_ms = 70;      ///< From asking to showing, beside a frame's own time on the farm.
 constexpr double kUnevenLostShare = 0.3;  ///< Enough that a walk of a second and a half loses some.
 
 struct Options {
@@ -32,6 +35,7 @@ struct Options {
   bool uneven = false;
   bool all_methods = false;
   bool flicker = false;
+  bool trade = false;
   int cost_rounds = 0;
   WalkPictures pictures;
 };
@@ -45,7 +49,8 @@ nlohmann::json to_json(const WalkFigures& figures) {
           {"step", figures.step_share},
           {"flicker", figures.flicker},
           {"holes", figures.holes},
-          {"depth_share", figures.depth_share}};
+          {"depth_share", figures.depth_share},
+          {"cpu_s_per_frame", figures.cpu_s_per_frame}};
 }
 
 Status measure_cost(const Options& options, nlohmann::json* json) {
@@ -92,9 +97,11 @@ Result<WalkedScene> open_scene(const SceneArgument& of) {
   WalkedScene scene;
   TRY_ASSIGN(scene.renderer, node::embree_scene_loader(0)(of.path, [](double) {}));
   if (!of.light.empty()) {
-    TRY_ASSIGN(const auto use_light, scene.renderer->light_from(of.light));
-    use_light();
+    TRY_ASSIGN(const MappedFile file, MappedFile::open(of.light));
+    TRY_ASSIGN(const node::VersionedLight light, scene.renderer->add_light(file.bytes(), of.light));
+    scene.renderer->use_light(light);
   }
+  if (!scene.renderer->note().empty()) fmt::print("{}\n", scene.renderer->note());
   wire::SceneDescription description = scene.renderer->description();
   description.set_name("scene");
   std::string warning;
@@ -141,6 +148,7 @@ std::string unevenness_of(const WalkFarm& farm) {
 
 Status measure(const Options& options, const SceneArgument& of, nlohmann::json* json) {
   TRY_ASSIGN(const WalkedScene scene, open_scene(of));
+  if (!scene.renderer->light_versions()->newest()) fmt::print("without stored light: path traced and denoised\n");
   print_header();
   for (const int walk : options.walks) {
     TRY_ASSIGN(const std::unique_ptr<WalkCase> walked,
@@ -168,6 +176,9 @@ double rms_error(const WalkFigures& figures) { return 255.0 * std::pow(10.0, -fi
 /// that are path traced and shown as they come, at the same cost.
 Status measure_flicker(const Options& options, const SceneArgument& of, nlohmann::json* json) {
   TRY_ASSIGN(const WalkedScene scene, open_scene(of));
+  if (!scene.renderer->light_versions()->newest()) {
+    return Error(ErrorCode::kInvalidArgument, of.name + " has no stored light, so there is nothing to compare");
+  }
   const WalkFarm farm{options.fps.front(), options.latencies_ms.front(), options.jitter_ms, options.lost_share};
   const WalkMethod reusing = walk_methods().back();
   WalkMethod as_they_come = reusing;
@@ -208,6 +219,32 @@ Status measure_flicker(const Options& options, const SceneArgument& of, nlohmann
   return Done{};
 }
 
+/// Few large frames and many small ones: as many pixels each second as frames of whole size at the lowest rate.
+Status measure_trade(const Options& options, const SceneArgument& of, nlohmann::json* json) {
+  TRY_ASSIGN(const WalkedScene scene, open_scene(of));
+  const int lowest_fps = *std::ranges::min_element(options.fps);
+  print_header();
+  for (const int walk : options.walks) {
+    TRY_ASSIGN(const std::unique_ptr<WalkCase> walked,
+               WalkCase::make(scene.renderer.get(), scene.site, scene.eye_height_m, static_cast<WalkKind>(walk),
+                              options.pictures));
+    for (const int fps : options.fps) {
+      WalkFrames frames = options.pictures.frames;
+      frames.scale *= std::sqrt(static_cast<double>(lowest_fps) / fps);
+      walked->set_frames(frames);
+      const WalkFarm farm{fps, kFixedLatency_ms + 1000 / fps, options.jitter_ms, options.lost_share};
+      for (const WalkMethod& method : walk_methods()) {
+        if (!method.moves || !method.predicts) continue;
+        TRY_ASSIGN(const WalkFigures figures, walked->measure(farm, method, options.pictures_to));
+        print_row(*walked, farm, fmt::format("{}, {:.0f} %", method.name, 100 * frames.scale), figures);
+        fmt::print("{:>60.3f} cpu-s each second\n", fps * figures.cpu_s_per_frame);
+        (*json)[to_text(walked->path().kind())][fmt::format("{} fps, {}", fps, method.name)] = to_json(figures);
+      }
+    }
+  }
+  return Done{};
+}
+
 Status run(const Options& options, nlohmann::json* json) {
   if (options.cost_rounds > 0) return measure_cost(options, json);
   for (const std::string& text : options.scenes) {
@@ -223,7 +260,8 @@ Status run(const Options& options, nlohmann::json* json) {
       std::filesystem::create_directories(own.pictures.truth_in);
     }
     nlohmann::json* const figures = &(*json)[scene.name];
-    TRY(options.flicker ? measure_flicker(own, scene, figures) : measure(own, scene, figures));
+    const auto measured = options.trade ? measure_trade : options.flicker ? measure_flicker : measure;
+    TRY(measured(own, scene, figures));
   }
   return Done{};
 }
@@ -249,6 +287,8 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 0.9));
   program.add_flag("--uneven", options.uneven, "Also the first farm with late frames, and with lost ones");
   program.add_flag("--flicker", options.flicker, "Instead: frames of stored light beside path traced ones");
+  program.add_flag("--trade", options.trade,
+                   "Instead: rates of frames whose size makes their cost each second equal; whole size at the lowest");
   program.add_flag("--all-methods", options.all_methods, "Also displays that hold the last picture, and others");
   program.add_option("--width", options.pictures.width, "Of the wall's picture, in pixels");
   program.add_option("--height", options.pictures.height, "Of the wall's picture, in pixels");
@@ -259,6 +299,8 @@ int main(int argc, char** argv) {
   program.add_option("--truth-samples", options.pictures.truth_samples, "Per pixel of the pictures that judge");
   program.add_option("--jpeg-quality", options.pictures.frames.jpeg_quality,
                      "Of frames; 0: they reach the display without");
+  program.add_flag("--without-card", options.pictures.without_card,
+                   "As a display on a software renderer filters; with --mesh-cells 2 it is wholly that");
   program.add_option("--mesh-cells", options.pictures.frames.mesh_cells,
                      "Cells of depth between two vertices of the mesh");
   program.add_option("--cost", options.cost_rounds,

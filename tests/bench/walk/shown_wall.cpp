@@ -9,7 +9,8 @@
 
 namespace cyclorama {
 
-Result<std::unique_ptr<ShownWall>> ShownWall::make(const PictureShape& wall) {
+Result<std::unique_ptr<ShownWall>> ShownWall::make(const PictureShape& wall,
+                                                   std::optional<display::MeshFilter> chosen) {
   std::unique_ptr<ShownWall> shown(new ShownWall(wall));
   const int width = width_px(wall);
   const int height = height_px(wall);
@@ -30,13 +31,15 @@ Result<std::unique_ptr<ShownWall>> ShownWall::make(const PictureShape& wall) {
     }
   }
   plan.warp = mesh;
-  const display::Texels texels = display::texels_for(gl, {plan});
+  const display::MeshFilter filter = chosen.value_or(display::mesh_filter_for(gl));
+  const bool is_of_card = filter == display::MeshFilter::kSharp;
+  const display::Texels texels = is_of_card ? display::Texels::kHalves : display::texels_for(gl, {plan});
   TRY_ASSIGN(display::PictureProgram program, display::PictureProgram::make(gl, texels));
   shown->program_.emplace(std::move(program));
   shown->programs_.emplace(gl);
   TRY_ASSIGN(display::HeadPainter painter, display::HeadPainter::make(gl, &*shown->programs_, plan, texels));
   shown->painter_.emplace(std::move(painter));
-  TRY_ASSIGN(display::FrameLight light, display::FrameLight::make(gl, *shown->program_, texels));
+  TRY_ASSIGN(display::FrameLight light, display::FrameLight::make(gl, *shown->program_, texels, filter));
   shown->light_.emplace(std::move(light));
   return shown;
 }

@@ -15,7 +15,8 @@ namespace cyclorama {
 class ShownWall {
  public:
   /// Errors: those of the headless output, and of the painters.
-  static Result<std::unique_ptr<ShownWall>> make(const PictureShape& wall);
+  /// `filter`: nothing as this machine's display chooses it; kSharp with light as cards have it.
+  static Result<std::unique_ptr<ShownWall>> make(const PictureShape& wall, std::optional<display::MeshFilter> filter);
 
   /// Takes a frame, which has a guard band around the wall's picture; if `reuses`, with what earlier ones showed.
   Status take(const display::DisplayFrame& frame, bool reuses);

@@ -50,20 +50,6 @@ display::DisplayFrame frame_of(const WalkPose& pose, const PictureShape& shape, 
   return frame;
 }
 
-/// Renders the picture as a node does one that is not denoised.
-render::RenderCost rendered(node::BlockRenderer& renderer, const render::PanoramaView& view, const PixelRect& rect,
-                            RgbImage* ret_pixels, InverseDepthImage* ret_depth) {
-  render::Film film(rect.width, rect.height, false);
-  if (view.depth) {
-    const PixelRect cells = depth_cells(rect);
-    film.depth = InverseDepthImage(cells.width, cells.height);
-  }
-  render::RenderCost cost = renderer.render_film(view, rect, {0, view.quality.samples}, &film, nullptr);
-  *ret_pixels = renderer.developed(film.mean());
-  *ret_depth = std::move(film.depth);
-  return cost;
-}
-
 }  // namespace
 
 const std::vector<WalkMethod>& walk_methods() {
@@ -76,7 +62,10 @@ const std::vector<WalkMethod>& walk_methods() {
 }
 
 WalkCase::WalkCase(node::BlockRenderer* renderer, WalkedPath path, const WalkPictures& pictures)
-    : renderer_(*renderer), path_(std::move(path)), settings_(pictures) {
+    : renderer_(*renderer),
+      has_light_(renderer->light_versions() != nullptr && renderer->light_versions()->newest()),
+      path_(std::move(path)),
+      settings_(pictures) {
   const double tan_half = 0.5 * settings_.span_rad * settings_.height / settings_.width;
   wall_ = Panorama{settings_.width, settings_.height, settings_.span_rad, tan_half, -tan_half};
   whole_ = with_guard_band(wall_, settings_.guard_rad, parallax(kResidual_m, kNear_m));
@@ -95,7 +84,8 @@ Result<std::unique_ptr<WalkCase>> WalkCase::make(node::BlockRenderer* renderer, 
                                                  double eye_height_m, WalkKind kind, const WalkPictures& pictures) {
   WalkedPath path(site, eye_height_m, kind, pictures.refresh_hz, pictures.refreshes);
   std::unique_ptr<WalkCase> walk(new WalkCase(renderer, std::move(path), pictures));
-  TRY_ASSIGN(walk->shown_, ShownWall::make(walk->wall_));
+  const auto filter = pictures.without_card ? display::MeshFilter::kSharpened : display::MeshFilter::kSharp;
+  TRY_ASSIGN(walk->shown_, ShownWall::make(walk->wall_, filter));
   return walk;
 }
 
@@ -106,9 +96,26 @@ render::PanoramaView WalkCase::view_of(const WalkPose& pose, const PictureShape&
   view.panorama = std::get<Panorama>(shape);
   view.quality.samples = samples;
   view.quality.bounces = renderer_.bounces();
-  view.quality.stored_light = true;
+  view.quality.stored_light = has_light_;
   view.seed = ++seed_;
   return view;
+}
+
+render::RenderCost WalkCase::render_picture(const render::PanoramaView& view, RgbImage* ret_pixels,
+                                            InverseDepthImage* ret_depth) {
+  const PixelRect rect{0, 0, view.panorama.width_px, view.panorama.height_px};
+  if (!view.quality.stored_light) {
+    return renderer_.begin_denoised(view, rect)->advance([] { return false; }, ret_pixels, ret_depth);
+  }
+  render::Film film(rect.width, rect.height, false);
+  if (view.depth) {
+    const PixelRect cells = depth_cells(rect);
+    film.depth = InverseDepthImage(cells.width, cells.height);
+  }
+  render::RenderCost cost = renderer_.render_film(view, rect, {0, view.quality.samples}, &film, nullptr);
+  *ret_pixels = renderer_.developed(film.mean());
+  *ret_depth = std::move(film.depth);
+  return cost;
 }
 
 Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with_mesh, WalkFigures* sums) {
@@ -116,12 +123,8 @@ Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with
   InverseDepthImage depth;
   render::PanoramaView view = view_of(pose, picture_, settings_.frames.samples);
   view.depth = with_mesh;
-  view.quality.stored_light = settings_.frames.stored_light;
-  const PixelRect all{0, 0, width_px(picture_), height_px(picture_)};
-  const render::RenderCost cost = settings_.frames.stored_light ? rendered(renderer_, view, all, &pixels, &depth)
-                                                                : renderer_.begin_denoised(view, all)->advance(
-                                                                      [] { return false; }, &pixels, &depth);
-  sums->cpu_s_per_frame += cost.cpu_seconds;
+  view.quality.stored_light = has_light_ && settings_.frames.stored_light;
+  sums->cpu_s_per_frame += render_picture(view, &pixels, &depth).cpu_seconds;
   display::DisplayFrame frame = frame_of(pose, picture_, pixels);
   const int quality = settings_.frames.jpeg_quality;
   if (quality > 0 || (with_mesh && sums->frames == 0)) {
@@ -149,8 +152,7 @@ Result<RgbImage> WalkCase::rendered_truth(int refresh) {
   const WalkPose pose = path_.at(refresh);
   RgbImage pixels;
   InverseDepthImage none;
-  rendered(renderer_, view_of(pose, whole_, settings_.truth_samples), {0, 0, width_px(whole_), height_px(whole_)},
-           &pixels, &none);
+  render_picture(view_of(pose, whole_, settings_.truth_samples), &pixels, &none);
   TRY(shown_->take(frame_of(pose, whole_, pixels), false));
   return shown_->shown(pose.eye_m, pose.heading_rad, false);
 }

@@ -34,9 +34,9 @@ struct WalkFarm {
 struct WalkFrames {
   double scale = 1.0;  ///< Their size over the wall's, each way; the truth has the wall's.
   int samples = 4;
-  bool stored_light = true;  ///< False: path traced and denoised; the truth reads stored light all the same.
+  bool stored_light = true;  ///< False: path traced and denoised; the truth reads stored light all the same, if it can.
   int jpeg_quality = 0;      ///< 0: frames reach the display without JPEG.
-  int mesh_cells = 1;
+  int mesh_cells = 1;        ///< A display without a card has 2.
 };
 
 struct WalkPictures {
@@ -48,6 +48,7 @@ struct WalkPictures {
   double refresh_hz = 60.0;
   int refreshes = 90;
   WalkFrames frames;
+  bool without_card = false;  ///< Filters as a display on a software renderer.
   /// Folder of one scene's truth, which is written there and read again; empty: none.
   std::filesystem::path truth_in;
 };
@@ -77,10 +78,15 @@ class WalkCase {
   /// Renders what is missing of the truth at all refreshes.
   Status complete_truth();
   Result<RgbImage> rendered_truth(int refresh);
+  /// Renders a whole picture as a node does: denoised unless it reads stored light.
+  render::RenderCost render_picture(const render::PanoramaView& view, RgbImage* ret_pixels,
+                                    InverseDepthImage* ret_depth);
   /// The frames that come, in the order of their requests.
   [[nodiscard]] std::vector<DueFrame> due_frames(const WalkFarm& farm) const;
 
   node::BlockRenderer& renderer_;
+  bool has_light_ =
+      false;  ///< Light was stored for the scene. Otherwise frames and truth are path traced and denoised.
   WalkedPath path_;
   WalkPictures settings_;
   PictureShape wall_;

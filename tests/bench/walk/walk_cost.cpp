@@ -75,7 +75,7 @@ class Times {
 
 Result<WalkCosts> walk_costs(int width, int height, int rounds) {
   const Panorama wall{width, height, 2.6, 0.5, -0.5};
-  TRY_ASSIGN(const std::unique_ptr<ShownWall> shown, ShownWall::make(wall));
+  TRY_ASSIGN(const std::unique_ptr<ShownWall> shown, ShownWall::make(wall, {}));
   display::DisplayFrame frame;
   frame.shape = wall;
   frame.picture = std::make_shared<const PlanarPicture>(width, height, true);

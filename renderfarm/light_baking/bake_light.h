@@ -37,7 +37,7 @@ struct BakedLight {
   std::uint64_t grids = 0;
   std::uint64_t separate_samples = 0;  ///< Samples of grids that must not be used.
   std::uint64_t hidden_vertices = 0;   ///< Vertices behind or inside something, with light from beside them.
-  double max_run_seconds = 0.0;    ///< Longest that a thread worked without looking whether it must end.
+  double max_run_seconds = 0.0;        ///< Longest that a thread worked without looking whether it must end.
   std::vector<BakeStage> stages;       ///< In the order of the work; their sum is `cpu_seconds`.
 };
 

@@ -15,7 +15,7 @@ from farm.processes import wait_until
 
 TRIANGLES = 10000
 NODES = 2
-TIMEOUT_S = 120
+TIMEOUT_S = 200
 USED = re.compile(r"has its light computed: .* \(version [0-9a-f]+\)")
 
 

@@ -49,8 +49,8 @@ struct ReprojectionGrid {
 struct ReprojectedVertex {
   float across_px = 0.0f;  ///< Position in the target picture.
   float down_px = 0.0f;
-  /// Inverse distance from the target's eye, at most 1 / kMinDepth_m. Where triangles overlap, the one with
-  /// the largest value is visible, because it is the nearest.
+  /// Inverse distance from the target's eye, at most 1 / kMinDepth_m. Where triangles overlap, the one with the
+  /// largest value is visible, because it is the nearest.
   float inverse_m = 0.0f;
   float source_across_px = 0.0f;
   float source_down_px = 0.0f;

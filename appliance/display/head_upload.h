@@ -46,7 +46,7 @@ struct HeadUpload {
   int depth_bits;
   warp::HeadColour colour;     ///< Only the matrix and the black levels.
   HeadFeatures features;       ///< All but `mask`, `edges`, `fade` and `texels`, which the painter sets.
-  std::vector<float> corners;  ///< Per vertex: attributes kPosition and kDirection of HeadProgram; for patches also kTerms.
+  std::vector<float> corners;  ///< Per vertex: HeadProgram's kPosition and kDirection; for patches also its kTerms.
   bool has_terms = false;
   std::vector<std::uint32_t> indices;  ///< Corners of fully lit triangles, then those of triangles that need the mask.
   std::size_t wholly_lit = 0;          ///< Number of indices that belong to fully lit triangles.

@@ -45,8 +45,8 @@ vec3 root_between(LIGHT light, vec2 at, vec2 per_texel) { return sqrt(texture(li
 )";
 
 /// Part of the fragment shaders after kLightShader: `root_sharply(light, at)` does what root_between() does, with the
-/// filter of Catmull and Rom, which softens little but may overshoot. The four corners are omitted, which have less than a
-/// hundredth of the weight.
+/// filter of Catmull and Rom, which softens little but may overshoot. The four corners are omitted, which have less
+/// than a hundredth of the weight.
 inline constexpr const char* kSharpFilterShader = R"(
 vec4 sharp_weights(float t) {
   return vec4(t * (t * (1.0 - 0.5 * t) - 0.5), 1.0 + t * t * (1.5 * t - 2.5), t * (0.5 + t * (2.0 - 1.5 * t)),

@@ -31,9 +31,9 @@ struct RecordedSpan {
 ///   processes: { name: { state, healthy } }, ok, problems: [] }
 ///
 /// stages: from shutter to photon; nodes: the nodes that the farm has, even if few of them rendered the last frame;
-/// shown_hz: refreshes that showed a new pose, per second; eye_missed_m: distance between the visitor and the eye of the
-/// picture; scale: width of a moving frame divided by the requested width; wasted: share of the views whose frame was
-/// rendered and not shown.
+/// shown_hz: refreshes that showed a new pose, per second; eye_missed_m: distance between the visitor and the eye of
+/// the picture; scale: width of a moving frame divided by the requested width; wasted: share of the views whose frame
+/// was rendered and not shown.
 [[nodiscard]] std::string summary_json(const Recording& recording, const RecordedSpan& span,
                                        const std::vector<std::string>& problems);
 

@@ -20,11 +20,11 @@ namespace cyclorama::coordinator {
 /// measured service: an account's virtual time grows by its cpu-seconds over its weight, and the account whose virtual
 /// time is lowest is served first. Predicted costs only order the frames within one account.
 ///
-/// An account that took less than the others may catch up with a bounded amount: kCreditSeconds of its share. So a museum
-/// within its share does not wait for one that takes all it can get, and nobody saves up more by being away. Whoever
-/// returns after it had no frame in flight begins at the virtual time of an imagined account that always takes just its
-/// share. So among museums within their shares the one that asked first is first, with or without a greedy museum beside
-/// them, and none waits for the others for long because it had a little more a while ago.
+/// An account that took less than the others may catch up with a bounded amount: kCreditSeconds of its share. So a
+/// museum within its share does not wait for one that takes all it can get, and nobody saves up more by being away.
+/// Whoever returns after it had no frame in flight begins at the virtual time of an imagined account that always takes
+/// just its share. So among museums within their shares the one that asked first is first, with or without a greedy
+/// museum beside them, and none waits for the others for long because it had a little more a while ago.
 ///
 /// An account that has used up its quota is served after all others (WorkClass::kSpare); an otherwise idle farm still
 /// serves it at full speed. Each class of work has a separate virtual time. Pure; thread-bound.
@@ -101,8 +101,8 @@ class Accounts {
     TimePoint at{};       ///< Time of the last update.
     double latest = 0.0;  ///< The highest virtual time of any account.
   };
-  /// Updates and returns the virtual time of an account that takes just its share: it grows with the farm's threads, but
-  /// is never more than a credit behind those who have frames in flight, and never ahead of all.
+  /// Updates and returns the virtual time of an account that takes just its share: it grows with the farm's threads,
+  /// but is never more than a credit behind those who have frames in flight, and never ahead of all.
   [[nodiscard]] double fair_time(std::size_t work, TimePoint now);
 
   double threads_ = 1.0;

@@ -17,8 +17,8 @@ namespace {
 constexpr std::size_t kMaxBlocksPerNode = 4096;
 /// Number of assignments of a tile after which its frame is given up.
 constexpr int kMaxAttempts = 4;
-/// Time until a block that was taken from a node is begun by another: a round trip, the coordinator's turn, and a cell of
-/// whatever the other renders.
+/// Time until a block that was taken from a node is begun by another: a round trip, the coordinator's turn, and a cell
+/// of whatever the other renders.
 constexpr double kStealSeconds = 0.002;
 /// Minimum time between log lines about a node that is late repeatedly.
 constexpr Duration kLateLogPeriod = std::chrono::seconds(10);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light computed ahead. Nodes compute it together, each its own pieces (LightBoard). The first that has all of it sends the
-// file to the coordinator, which gives it to those that lack it, and when all have it, frames name its version from the next one on. A frame in flight and a picture at rest keep the version that they
-// began with, and only nodes that have a frame's version render it: no picture mixes two.
+// Light computed ahead. Nodes compute it together, each its own pieces (LightBoard). The first that has all of it sends
+// the file to the coordinator, which gives it to those that lack it, and when all have it, frames name its version from
+// the next one on. A frame in flight and a picture at rest keep the version that they began with, and only nodes that
+// have a frame's version render it: no picture mixes two.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,8 +22,8 @@ constexpr Duration kSwitchTimeout = std::chrono::seconds(20);
 constexpr Duration kSendTimeout = std::chrono::seconds(60);
 /// If a node has not fetched its light within this time, it is ordered again to fetch it.
 constexpr Duration kOfferTimeout = std::chrono::minutes(1);
-/// If no node that got the order to compute light has reported a stage by then, all get it once more. It covers the time to
-/// read a scene and to build its BVH.
+/// If no node that got the order to compute light has reported a stage by then, all get it once more. It covers the
+/// time to read a scene and to build its BVH.
 constexpr Duration kComputeTimeout = std::chrono::minutes(2);
 
 }  // namespace

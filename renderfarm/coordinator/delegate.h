@@ -64,7 +64,8 @@ class CoordinatorDelegate {
   virtual void to_node(NodeId node, const wire::NodeCommand& command) = 0;
   /// Queues a message in order. CoordinatorState::written() must follow for each, unless the session ends first.
   virtual void to_museum(SessionId session, wire::SessionReply reply) = 0;
-  /// Accepts this light, or a piece of it, from a node: CoordinatorState::light_stored() must follow once it is complete.
+  /// Accepts this light, or a piece of it, from a node: CoordinatorState::light_stored() must follow once it is
+  /// complete.
   virtual void accept_light(const wire::LightVersion& light) = 0;
   /// No node needs the file of this light or piece any more.
   virtual void forget_light(const wire::LightVersion& light) = 0;

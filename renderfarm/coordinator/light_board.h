@@ -45,8 +45,8 @@ class LightBoard {
     std::vector<wire::LightVersion> unneeded{};  ///< Files that no node needs any more.
   };
 
-  /// Returns false if the node computes otherwise than those before it, such as on another kind of processor: it takes no
-  /// part. Errors: kInvalidArgument if the report is broken.
+  /// Returns false if the node's results differ from those of the nodes before it, as on another kind of processor. It
+  /// then takes no part. Errors: kInvalidArgument if the report is broken.
   Result<bool> report(NodeId node, const wire::LightPieces& report);
   void leave(NodeId node);
   /// The file with this SHA-256 has come.

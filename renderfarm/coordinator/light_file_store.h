@@ -17,8 +17,9 @@
 
 namespace cyclorama::coordinator {
 
-/// Files of light, and of pieces of it, on their way from the node that computed them to the others. They have no name on the disk, so none is
-/// left behind; the nodes keep theirs, and after a restart one of them sends it again. Thread-safe.
+/// Files of light, and of pieces of it, on their way from the node that computed them to the others. They have no name
+/// on the disk, so none is left behind; the nodes keep theirs, and after a restart one of them sends it again.
+/// Thread-safe.
 class LightFileStore {
  public:
   /// A file that is being received. Thread-bound.

@@ -68,8 +68,8 @@ class GridSpender {
     return sides_[side].lit.placement->mesh->triangle_count;
   }
 
-  /// Calls work(index, tracer) for the items of a piece, in parallel, several by one task. Errors: kUnavailable if that was
-  /// cancelled.
+  /// Calls work(index, tracer) for the items of a piece, in parallel, several by one task. Errors: kUnavailable if that
+  /// was cancelled.
   template <typename Work>
   [[nodiscard]] Status for_items(std::size_t first, std::size_t end, std::size_t per_chunk, Work work) {
     tbb::parallel_for(std::size_t{0}, (end - first + per_chunk - 1) / per_chunk, [&](std::size_t chunk) {

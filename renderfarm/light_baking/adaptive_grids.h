@@ -45,8 +45,8 @@ struct SideGrids {
 };
 
 /// Returns the grids of each side, ordered by triangle. Probing, each round of steps and the end are stages. Uses the
-/// threads of the TBB arena in which it is called; the result does not depend on their number unless `is_over` ended it.
-/// Errors: as StageChain::complete().
+/// threads of the TBB arena in which it is called; the result does not depend on their number unless `is_over` ended
+/// it. Errors: as StageChain::complete().
 [[nodiscard]] Result<std::vector<SideGrids>> make_grids(std::span<const SeenSide> sides, const BakeSettings& settings,
                                                         const GridBudget& budget, LightTracers& tracers,
                                                         StageChain& stages);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How the computation of light is divided. It is a sequence of stages; each needs the results of all before, so a stage
-/// is a barrier. A stage consists of pieces that do not depend on each other: whoever computes a piece, its bytes are the
-/// same. Every host runs the whole sequence, and takes the results of a piece instead of computing it where they are
-/// known already:
+/// How the computation of light is divided. It is a sequence of stages; each needs the results of all before, so a
+/// stage is a barrier. A stage consists of pieces that do not depend on each other: whoever computes a piece, its bytes
+/// are the same. Every host runs the whole sequence, and takes the results of a piece instead of computing it where
+/// they are known already:
 ///
 ///     stage 0:  piece 0 │ piece 1 │ ...  ──all taken──►  stage 1:  piece 0 │ ...  ──►  ...  ──►  the light
 ///                 computed here, from an earlier run's file, or from another node
@@ -33,8 +33,8 @@ inline constexpr std::uint32_t kMaxPieces = 256;
 struct StageWork {
   /// Returns the results of a piece. Reentrant. Errors: kUnavailable if the computation was cancelled.
   std::function<Result<PieceBytes>(std::uint32_t piece)> compute;
-  /// Takes results; to be called until it succeeds once for each piece, from any thread. Errors: kBadData if the bytes are no
-  /// results of that piece.
+  /// Takes results; to be called until it succeeds once for each piece, from any thread. Errors: kBadData if the bytes
+  /// are no results of that piece.
   std::function<Status(std::uint32_t piece, std::span<const std::byte> bytes)> take;
   bool in_parallel = true;  ///< False if the work on one piece uses all threads by itself.
 };
@@ -62,7 +62,8 @@ class ComputedPieces final : public LightPieces {
   Status complete(const LightStage& stage, const StageWork& work) override;
 };
 
-/// Calls `call` for pieces, in parallel if the work allows it. Returns an error if there was one; then some pieces may be left out.
+/// Calls `call` for pieces, in parallel if the work allows it. Returns an error if there was one; then some pieces may
+/// be left out.
 Status for_pieces(std::span<const std::uint32_t> pieces, bool in_parallel,
                   const std::function<Status(std::uint32_t piece)>& call);
 /// Returns 0, 1, ... up to the stage's last piece.

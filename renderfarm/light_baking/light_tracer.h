@@ -60,8 +60,8 @@ class LightTracer {
   /// no light reaches gets up to 64. Spots that do not exist get none.
   void from_lamps(std::span<const LightSpot> spots, const TracerSettings& settings, std::span<LampLight> ret);
 
-  /// Estimates all other light, by scattered rays, which read the light that the scene has at present where they arrive.
-  /// Precondition: `settings.rays` is a power of two.
+  /// Estimates all other light, by scattered rays, which read the light that the scene has at present where they
+  /// arrive. Precondition: `settings.rays` is a power of two.
   void from_surfaces(std::span<const LightSpot> spots, GatherSettings settings, std::span<GatheredLight> ret);
 
   /// Sets 1 for each pair of points with nothing between them, and 0 for other pairs.

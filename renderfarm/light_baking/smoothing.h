@@ -22,8 +22,8 @@ struct Neighbours {
 /// Smooths the light of samples that have neighbours, and lowers its errors accordingly. Reentrant.
 void smooth(std::span<const Neighbours> pairs, std::span<GatheredLight> light);
 
-/// Smooths the gathered light of the seen samples of a side with a sample per vertex, and lowers its errors accordingly.
-/// Neighbours whose normals differ much count less. Reentrant.
+/// Smooths the gathered light of the seen samples of a side with a sample per vertex, and lowers its errors
+/// accordingly. Neighbours whose normals differ much count less. Reentrant.
 void smooth_gathered_light(const render::SurfaceMesh& mesh, BaseSide* side);
 
 }  // namespace cyclorama::light_baking

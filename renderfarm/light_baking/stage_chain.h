@@ -12,7 +12,8 @@
 namespace cyclorama::light_baking {
 
 /// Gives the stages of a computation their keys: each is a hash (XXH3, 128 bits) of the one before and of all that was
-/// added or taken since. So hosts that round differently, or have another program, never mix their results. Thread-bound.
+/// added or taken since. So hosts that round differently, or have another program, never mix their results.
+/// Thread-bound.
 class StageChain {
  public:
   /// Borrows `pieces`.

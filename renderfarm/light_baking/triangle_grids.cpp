@@ -330,8 +330,8 @@ class GridMaker {
     }
   }
 
-  /// Halves the spacing of the samples. New samples are computed by light_at(points) next to rough ones and interpolated
-  /// elsewhere, so the cost is proportional to the length of the shadows' edges.
+  /// Halves the spacing of the samples. New samples are computed by light_at(points) next to rough ones and
+  /// interpolated elsewhere, so the cost is proportional to the length of the shadows' edges.
   template <typename LightAt>
   void halve(GridInWork* grid, const LightAt& light_at) {
     const int parts = 2 * grid->parts;

@@ -93,8 +93,8 @@ struct ProbedTriangle {
 
 // The following functions are thread-bound, like their argument `tracer`:
 
-/// Returns those triangles whose vertices misstate the light of lamps between them by more than kMaxMisread in the mean.
-/// Rays that bounce must not interpolate it there.
+/// Returns those triangles whose vertices misstate the light of lamps between them by more than kMaxMisread in the
+/// mean. Rays that bounce must not interpolate it there.
 [[nodiscard]] std::vector<std::uint32_t> find_misread(const LitSide& side, std::span<const ProbedTriangle> triangles,
                                                       const BakeSettings& settings, LightTracer& tracer);
 

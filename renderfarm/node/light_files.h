@@ -18,8 +18,8 @@ class LightFiles {
   /// Returns the path of the file for the light of the scene at `path`, whether or not the file exists. Empty if the
   /// node has no cache and the scene is not a folder.
   [[nodiscard]] std::filesystem::path file_of(const std::string& path) const;
-  /// Prepares that place for a new file: creates the folder, and removes the oldest files beyond a limit, unfinished light included. Errors: one
-  /// sentence on why nothing can be written there.
+  /// Prepares that place for a new file: creates the folder, and removes the oldest files beyond a limit, unfinished
+  /// light included. Errors: one sentence on why nothing can be written there.
   Result<std::filesystem::path> prepare(const std::string& path) const;
   /// Removes the incomplete files that killed computations left beside `file`. Precondition: the light of `file` is not
   /// being computed.

@@ -17,8 +17,9 @@ namespace cyclorama::node {
 ///
 ///   progress SHARE | error SENTENCE | stage NUMBER KEY PIECES FOLDER | piece STAGE PIECE SHA256 BYTES
 ///
-/// and gets orders on its standard input, a socket that keeps messages apart: "compute STAGE PIECE" or "fetched STAGE PIECE".
-/// It succeeded if it exits with 0. It is paused by SIGSTOP, so it needs no cooperation and stops within milliseconds.
+/// and gets orders on its standard input, a socket that keeps messages apart: "compute STAGE PIECE" or "fetched STAGE
+/// PIECE". It succeeded if it exits with 0. It is paused by SIGSTOP, so it needs no cooperation and stops within
+/// milliseconds.
 class LightProcess final : public LightComputation {
  public:
   /// Starts `command`, the program's path followed by its arguments. Errors: kNotFound or kSystem.

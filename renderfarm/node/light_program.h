@@ -18,8 +18,8 @@ namespace cyclorama::node {
 Status compute_light(const std::filesystem::path& scene, const std::filesystem::path& file, int threads,
                      const std::function<void(double)>& progress, light_baking::LightPieces* pieces = nullptr);
 
-/// The same as a program: lowers its priority to the system's lowest, ends when its parent ends, gets orders for pieces on
-/// standard input and reports on standard output (LightProcess).
+/// The same as a program: lowers its priority to the system's lowest, ends when its parent ends, gets orders for pieces
+/// on standard input and reports on standard output (LightProcess).
 Status run_light_program(const std::filesystem::path& scene, const std::filesystem::path& file, int threads);
 
 /// Returns a function that starts this executable again with the options that node_main.cpp passes to

@@ -32,7 +32,8 @@ class LightWorker {
     std::function<bool()> has_blocks;  ///< Returns true while the node has blocks; called from any thread.
     /// Returns false if the scene at `path` was unloaded or replaced; the computation of its light is then aborted.
     std::function<bool(const std::string& path)> is_wanted;
-    /// The computation for the scene at `path` has begun a stage or has further pieces. The message names no scene. Called by the thread of work().
+    /// The computation for the scene at `path` has begun a stage or has further pieces. The message names no scene.
+    /// Called by the thread of work().
     std::function<void(const std::string& path, const wire::LightPieces& pieces)> progressed;
     /// The light of the scene at `path` is in `file`, or it failed. Called by the thread of work().
     std::function<void(const std::string& path, const std::filesystem::path& file, const Status& status)> finished;
@@ -52,10 +53,11 @@ class LightWorker {
   void forget(const std::string& path);
   /// Orders pieces; without effect unless the computation for the scene at `path` is at that stage.
   void compute(const std::string& path, const wire::ComputePieces& order);
-  /// Returns the current stage for the scene at `path` with all pieces that are here; nothing if there is none. The message
-  /// names no scene.
+  /// Returns the current stage for the scene at `path` with all pieces that are here; nothing if there is none. The
+  /// message names no scene.
   [[nodiscard]] std::optional<wire::LightPieces> stage_of(const std::string& path) const;
-  /// Returns where the file of a piece is or belongs; empty unless the current computation for the scene at `path` has reached that stage.
+  /// Returns where the file of a piece is or belongs; empty unless the current computation for the scene at `path` has
+  /// reached that stage.
   [[nodiscard]] std::filesystem::path piece_file(const std::string& path, const wire::LightStage& stage,
                                                  std::uint32_t piece) const;
   /// The file of a piece has come.
@@ -84,7 +86,8 @@ class LightWorker {
     BegunStage begun;
     std::map<std::uint32_t, wire::LightVersion> taken{};  ///< Files by piece.
   };
-  /// Returns null unless the current computation is that of the scene at `path` and has reached the stage. To be called under mutex_.
+  /// Returns null unless the current computation is that of the scene at `path` and has reached the stage. To be called
+  /// under mutex_.
   [[nodiscard]] const Stage* find_stage(const std::string& path, const wire::LightStage& stage) const;
   static void set_stage(const BegunStage& stage, wire::LightStage* to);
   /// Notes what the computation has reported, and passes it on.

@@ -12,8 +12,8 @@
 
 namespace cyclorama::node {
 
-/// The pieces of light in a node's child process: computed when the node orders them, or fetched from other nodes. All of
-/// them are kept in a folder. Reports and orders are those of LightProcess. Thread-bound.
+/// The pieces of light in a node's child process: computed when the node orders them, or fetched from other nodes. All
+/// of them are kept in a folder. Reports and orders are those of LightProcess. Thread-bound.
 class OrderedPieces final : public light_baking::LightPieces {
  public:
   /// `orders` is a socket that keeps messages apart, and is borrowed; `report` is called with a line, from any thread.

@@ -17,9 +17,9 @@
 
 namespace cyclorama::node {
 
-/// Loads the scenes that coordinators order, and fetches or sends their light, one after another, while blocks of others
-/// are rendered; pieces of light, too. Orders come from any thread; the work is done by the caller of wait() and work(),
-/// always the same thread. Keeps references to the scenes and to the light worker, which must outlive it.
+/// Loads the scenes that coordinators order, and fetches or sends their light, one after another, while blocks of
+/// others are rendered; pieces of light, too. Orders come from any thread; the work is done by the caller of wait() and
+/// work(), always the same thread. Keeps references to the scenes and to the light worker, which must outlive it.
 class SceneLoadWorker {
  public:
   /// Sends a report to a coordinator; does nothing if its stream has ended.
@@ -35,8 +35,8 @@ class SceneLoadWorker {
 
   // Thread-safe:
 
-  /// Takes LoadScene and all commands that send or fetch files. Errors: kBadData if too many orders wait or the message is huge: the
-  /// coordinator is broken.
+  /// Takes LoadScene and all commands that send or fetch files. Errors: kBadData if too many orders wait or the message
+  /// is huge: the coordinator is broken.
   Status take(std::shared_ptr<NodeLink> link, const wire::NodeCommand& order);
   [[nodiscard]] bool is_loading() const { return loading_; }
   /// Returns a sentence on the scene that is being loaded or was loaded last; empty before the first.

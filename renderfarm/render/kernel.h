@@ -34,8 +34,8 @@ struct TraceView {
   scene::ToneCurve tone = scene::ToneCurve::kShoulder;
   bool features = false;
   bool depth = false;
-  /// Paths of more scatterings do not read stored light. It holds all bounces, so a path that reads it late has more than
-  /// a traced one.
+  /// Paths of more scatterings do not read stored light. It holds all bounces, so a path that reads it late has more
+  /// than a traced one.
   int max_stored_scatterings = 255;
 };
 

@@ -11,8 +11,8 @@ namespace cyclorama::render {
 /// shaded completely, as are scenes with an eye lamp, whose light is not stored.
 [[nodiscard]] bool ends_at_stored_light(const TraceScene& scene, const TraceView& view);
 
-/// Ends the paths whose rays in batch.current() hit a `plain` surface with stored light: such a surface shows its colour
-/// times the light, so normals, BSDFs and random numbers are not needed. The other rays stay, in the same order.
+/// Ends the paths whose rays in batch.current() hit a `plain` surface with stored light: such a surface shows its
+/// colour times the light, so normals, BSDFs and random numbers are not needed. The other rays stay, in the same order.
 /// Precondition: ends_at_stored_light(), and the rays are traced.
 void end_at_stored_light(const TraceScene& scene, const TraceView& view, PathBatch& batch);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Scenes for tests and benchmarks of stored light: boxes, floors that are not flat, and the comparison of pictures with
-/// traced ones.
+/// Scenes for tests and benchmarks of stored light: boxes, floors that are not flat, and the comparison of pictures
+/// with traced ones.
 #pragma once
 
 #include <algorithm>

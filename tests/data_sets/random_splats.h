@@ -112,9 +112,9 @@ inline SplatView exact_view(const scene::SplatCloud& cloud, const std::vector<Ex
   return blended(cloud, splats, eye, std::move(met));
 }
 
-/// Returns what the original rasteriser shows along a direction: each splat is projected by the derivative of the projection at
-/// its centre, for a camera at `eye` that looks along -z, and splats are ordered by depth. Without the widening by 0.3
-/// pixels, which stands for a pixel's size.
+/// Returns what the original rasteriser shows along a direction: each splat is projected by the derivative of the
+/// projection at its centre, for a camera at `eye` that looks along -z, and splats are ordered by depth. Without the
+/// widening by 0.3 pixels, which stands for a pixel's size.
 inline SplatView rasterised_view(const scene::SplatCloud& cloud, const std::vector<ExactSplat>& splats,
                                  const Eigen::Vector3d& eye, const Eigen::Vector3d& direction) {
   const Eigen::Vector2d pixel(direction.x() / -direction.z(), direction.y() / -direction.z());

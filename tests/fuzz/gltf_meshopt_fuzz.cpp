@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Damages a valid compressed square and its description in the file. The first three bytes choose a mode, a filter and a
-// stride; each following group of three is a part, an offset and a change there.
+// Damages a valid compressed square and its description in the file. The first three bytes choose a mode, a filter and
+// a stride; each following group of three is a part, an offset and a change there.
 #include <array>
 
 #include "common/base/check.h"

@@ -15,7 +15,8 @@ namespace cyclorama::tour {
 /// A view is requested when its frame can be shown:
 ///
 /// 1. At most two frames are in flight: one is rendered while the other crosses the network.
-/// 2. Views are at least one interval apart. The interval is the displays' refresh period, and longer while newer frames
+/// 2. Views are at least one interval apart. The interval is the displays' refresh period, and longer while newer
+/// frames
 ///    replace frames at the displays before those were seen: of two frames that end within one refresh, only one is
 ///    shown. The interval follows a staircase: it grows by kSlower for each frame that was not shown and shrinks by
 ///    kFaster for each frame that was, so that it settles where one frame in a hundred is not shown.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Real spherical harmonics of degree 0 to 3 with the signs and the order of the original splatting program. Source: Kerbl
-/// et al. 2023, and KHR_gaussian_splatting, appendix A.
+/// Real spherical harmonics of degree 0 to 3 with the signs and the order of the original splatting program. Source:
+/// Kerbl et al. 2023, and KHR_gaussian_splatting, appendix A.
 #pragma once
 
 #include <array>

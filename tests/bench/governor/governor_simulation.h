@@ -56,7 +56,8 @@ struct GovernorFigures {
 /// two in a row, which would be a jump), and the
 /// front's costs are wrong by an exponent of 0.85 to 1.1, as for a scene that was not measured.
 [[nodiscard]] GovernorOutcome simulate(const governor::ParetoFront& front, const GovernorCase& simulated);
-/// Returns the cases: 2 to 4096 cores, budgets of 33 to 100 ms, fixed parts of 0 to 40 %, with thread times and without.
+/// Returns the cases: 2 to 4096 cores, budgets of 33 to 100 ms, fixed parts of 0 to 40 %, with thread times and
+/// without.
 [[nodiscard]] std::vector<GovernorCase> governor_cases(int seeds);
 /// Summarizes; used and p95 are those of feasible segments.
 [[nodiscard]] GovernorFigures figures_of(const std::vector<GovernorOutcome>& outcomes);

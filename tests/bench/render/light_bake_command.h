@@ -5,8 +5,8 @@
 
 namespace cyclorama {
 
-/// `cyclorama-bench-render light-bake SCENE`: what computing a scene's light costs, stage by stage, and how far pictures
-/// that read it are from the truth.
+/// `cyclorama-bench-render light-bake SCENE`: what computing a scene's light costs, stage by stage, and how far
+/// pictures that read it are from the truth.
 [[nodiscard]] tools::RenderCommand add_light_bake_command(CLI::App* program);
 
 }  // namespace cyclorama

@@ -21,14 +21,15 @@ struct FairnessCase {
   std::vector<HonestMuseum> honest{};
   double utilisation = 0.0;
   double coordinator_ms_per_frame = 0.0;
-  /// False for the case in which the tenth museum is like the others: what it adds to their p99 is the price of its share.
+  /// False for the case in which the tenth museum is like the others: what it adds to their p99 is the price of its
+  /// share.
   [[nodiscard]] bool is_greedy() const;
   [[nodiscard]] double share_min() const;
   [[nodiscard]] double p99_ratio() const;  ///< The largest.
 };
 
-/// Simulates ten museums on 8 nodes of 4 threads for that time: nine of them, with a tenth like them, then with each kind
-/// of greed.
+/// Simulates ten museums on 8 nodes of 4 threads for that time: nine of them, with a tenth like them, then with each
+/// kind of greed.
 [[nodiscard]] std::vector<FairnessCase> measure_fairness(double seconds);
 
 }  // namespace cyclorama

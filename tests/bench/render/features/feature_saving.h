@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Saving of a scene's specialised kernel: the same picture is rendered by the scene's own kernel and by those for higher
-/// surface levels.
+/// Saving of a scene's specialised kernel: the same picture is rendered by the scene's own kernel and by those for
+/// higher surface levels.
 #pragma once
 
 #include <functional>

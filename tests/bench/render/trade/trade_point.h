@@ -24,9 +24,10 @@ struct TradePoint {
   quality::ShownError shown;   ///< Decoded JPEG, enlarged.
 };
 
-/// Points that the governor may choose: the Pareto front of processor time against relMSE (as in ParetoFront::standard():
-/// without bias it falls with the samples, on which Refinement relies), among those with the base's coding (JPEG is not
-/// part of it). `shown_px` is the picture's number of pixels. Errors: kInvalidArgument if there is no such point.
+/// Points that the governor may choose: the Pareto front of processor time against relMSE (as in
+/// ParetoFront::standard(): without bias it falls with the samples, on which Refinement relies), among those with the
+/// base's coding (JPEG is not part of it). `shown_px` is the picture's number of pixels. Errors: kInvalidArgument if
+/// there is no such point.
 Result<governor::ParetoFront> trade_pareto_front(const std::vector<TradePoint>& points, double shown_px);
 [[nodiscard]] bool is_on(const governor::ParetoFront& front, const TradePoint& point);
 

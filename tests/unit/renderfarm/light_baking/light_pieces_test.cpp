@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light computed in pieces: by several hosts, in several runs, and from damaged files. The result is the same to the bit.
+// Light computed in pieces: by several hosts, in several runs, and from damaged files. The result is the same to the
+// bit.
 #include "renderfarm/light_baking/light_pieces.h"
 
 #include <gmock/gmock.h>

@@ -9,10 +9,10 @@
 
 namespace cyclorama::display {
 
-/// How a moved frame is read between its pixels: what softens it there costs 1.3 dB.
+/// Filter by which a moved frame is read between its pixels. A plain bilinear one softens it, which costs 1.3 dB.
 enum class MeshFilter {
-  kSharp,      ///< By a filter of 12 pixels, at every refresh.
-  kSharpened,  ///< Bilinearly, in light that was sharpened once (light_sharpener.h); for software renderers.
+  kSharp,      ///< A filter of 12 pixels, at every refresh.
+  kSharpened,  ///< Bilinear, in light that was sharpened once (light_sharpener.h); for software renderers.
 };
 [[nodiscard]] MeshFilter mesh_filter_for(const output::Gl& gl);
 

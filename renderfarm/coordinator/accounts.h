@@ -20,11 +20,11 @@ namespace cyclorama::coordinator {
 /// measured service: an account's virtual time grows by its cpu-seconds over its weight, and the account whose virtual
 /// time is lowest is served first. Predicted costs only order the frames within one account.
 ///
-/// An account that took less than the others may catch up with a bounded amount: kCreditSeconds of its share. So a
-/// museum within its share does not wait for one that takes all it can get, and nobody saves up more by being away.
-/// Whoever returns after it had no frame in flight begins at the virtual time of an imagined account that always takes
-/// just its share. So among museums within their shares the one that asked first is first, with or without a greedy
-/// museum beside them, and none waits for the others for long because it had a little more a while ago.
+/// An account that received less than the others may catch up by a bounded amount: kCreditSeconds of its share. Thus a
+/// museum within its share does not wait for one that takes all it can get, and an idle museum does not save up more.
+/// An account that had no frame in flight begins again at the virtual time of an imagined account that always takes
+/// exactly its share. Thus museums within their shares are served in the order of their requests, whether or not a
+/// greedy museum is connected, and a museum that received slightly more a while ago does not wait for all others.
 ///
 /// An account that has used up its quota is served after all others (WorkClass::kSpare); an otherwise idle farm still
 /// serves it at full speed. Each class of work has a separate virtual time. Pure; thread-bound.
@@ -82,9 +82,9 @@ class Accounts {
   /// The work of one account in one class.
   struct Flow {
     double time = 0.0;         ///< Virtual time.
-    double last_charge = 0.0;  ///< What it grew by at last.
+    double last_charge = 0.0;  ///< Growth of `time` by the last charge.
     double reserved = 0.0;     ///< Predicted cpu-seconds of the frames in flight.
-    int frames = 0;            ///< In flight.
+    int frames = 0;            ///< Number of frames in flight.
   };
   struct Account {
     std::string museum{};

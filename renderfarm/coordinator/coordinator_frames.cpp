@@ -22,7 +22,8 @@ constexpr double kNodeSeconds = 0.00005;
 /// Minimum cost in cpu-seconds, so that a frame without a measured cost still takes its turn.
 constexpr double kMinCpuSeconds = 1e-4;
 
-/// Part of the credit by which an account's service must differ from what a node knows before it is stated again.
+/// Fraction of the credit by which an account's service must differ from the value last stated to a node before it is
+/// stated again.
 constexpr double kNoticeable = 0.1;
 /// Maximum accounts that one order states.
 constexpr int kMaxStated = 16;

@@ -10,7 +10,7 @@
 
 namespace cyclorama::coordinator {
 
-/// When a frame is late, and which nodes delay it. All deadlines are multiples of a session's base time: its budget, or
+/// Computes when a frame is late, and which nodes delay it. All deadlines are multiples of a session's base time: its budget, or
 /// its recent frame time if that is longer. Decides nothing and changes nothing. Pure; thread-bound; the table, the
 /// speeds and the clock must outlive it.
 class Deadlines {

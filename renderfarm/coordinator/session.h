@@ -152,7 +152,7 @@ struct Node {
   /// An account's blocks of one class here.
   struct WaitingAccount {
     std::size_t blocks = 0;
-    double stated = 0.0;  ///< What the node knows of the service that the account received, in virtual time.
+    double stated = 0.0;  ///< Service of the account last stated to the node, in virtual time.
   };
   std::map<std::pair<AccountId, WorkClass>, WaitingAccount> accounts{};  ///< Those of `blocks`.
   std::map<std::uint64_t, BlockLocation> blocks{};  ///< Assigned and not yet ended, whether or not still wanted.

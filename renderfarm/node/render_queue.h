@@ -38,8 +38,8 @@ struct BlockOrder {
 /// The service received by an account starts at the rank of its first block, which its coordinator chose by what the
 /// account got from the whole farm, and grows with the service that it really gets here (serve()), whatever its blocks
 /// were predicted to cost. So a block that costs a thousand times as much as expected delays nobody, and many sessions
-/// of one museum get no more than one. What an account that waits here gets from other nodes counts as soon as a block
-/// of another account brings word of it (RenderBlock.received).
+/// of one museum get no more than one. The service that a waiting account receives from other nodes counts as soon as
+/// an order for another account states it (RenderBlock.received).
 ///
 /// Ranks of different coordinators are not comparable, since each coordinator counts from its own start. A coordinator
 /// that had no block here joins at the current rank, and its ranks continue from there for as long as it has blocks, as

@@ -85,7 +85,8 @@ class SharedFarm final : private coordinator::CoordinatorDelegate {
     std::uint64_t number = 0;  ///< The last view's.
     int in_flight = 0;
     std::map<std::uint64_t, TimePoint> requested_at{};
-    /// Of the times between two requests. Each museum has its own, so that it requests the same beside any others.
+    /// Generates the times between two requests. Each museum has one of its own, so that its requests do not depend on
+    /// the others.
     std::mt19937 random{};
   };
   using Event = std::function<void()>;

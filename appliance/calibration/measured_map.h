@@ -23,7 +23,7 @@ struct MeasuredMap {
   std::vector<Eigen::Vector3d> directions;
   /// One for each direction, in projector pixels per axis; large in gaps and beyond the rim of the data.
   std::vector<double> sigma_px;
-  double heldout_rms_px = 0.0;   ///< Root mean square error per axis, over cells that were left out of the fit.
+  double heldout_rms_px = 0.0;  ///< Root mean square error per axis, over cells that were left out of the fit.
   /// Change of slope per cell that the smoothness term expects; chosen with left-out cells.
   double stiffness_px = 0.0;
   std::size_t samples = 0;

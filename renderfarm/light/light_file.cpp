@@ -16,7 +16,8 @@ namespace cyclorama::light {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they are in memory");
-static_assert(sizeof(LightCheck) == std::size_t{22} * 4 && std::is_trivially_copyable_v<LightCheck>, "it is written as it is, too");
+static_assert(sizeof(LightCheck) == std::size_t{22} * 4 && std::is_trivially_copyable_v<LightCheck>,
+              "it is written as it is, too");
 
 constexpr std::string_view kMagic = "CYCLIGHT";
 constexpr std::uint32_t kFileVersion = 2;

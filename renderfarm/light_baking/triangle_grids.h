@@ -61,7 +61,7 @@ struct GridInWork {
   bool is_needed = false;  ///< True if the vertices' samples cannot be used, so that paths are traced without a grid.
   bool has_blocked_corner = false;
   bool needs_surfaces = false;  ///< Light from other surfaces, too, varies more than between the vertices.
-  bool is_misread = false;  ///< The vertices misstate the light of lamps; see find_misread().
+  bool is_misread = false;      ///< The vertices misstate the light of lamps; see find_misread().
   std::vector<ProbeLight> light{};
   std::vector<std::uint8_t> rough{};  ///< 1 for samples next to which light varies more than linearly.
 

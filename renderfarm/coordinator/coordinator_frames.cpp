@@ -108,6 +108,7 @@ double CoordinatorState::threads_of(const std::vector<AssignedBlock>& blocks) co
 
 void CoordinatorState::place(SessionId id, const Session& session, const std::vector<AssignedBlock>& blocks) {
   std::vector<Placement::NodeWork> works;
+  works.reserve(blocks.size());
   for (const AssignedBlock& block : blocks) {
     works.push_back({block.node, block.forecast.seconds / speeds_.of(nodes_.at(block.node), session.scene)});
   }

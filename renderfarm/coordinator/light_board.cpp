@@ -122,11 +122,12 @@ LightBoard::Orders LightBoard::next(TimePoint now, const std::function<bool(Node
 }
 
 void LightBoard::drop_unneeded() {
-  for (auto& [number, stage] : stages_) {
-    for (Piece& piece : stage.pieces) {
+  for (auto& entry : stages_) {
+    const auto number = entry.first;
+    for (Piece& piece : entry.second.pieces) {
       if (!piece.is_here) continue;
       const bool is_needed = std::ranges::any_of(
-          at_, [&](const auto& entry) { return entry.second == number && !piece.holders.contains(entry.first); });
+          at_, [&](const auto& at) { return at.second == number && !piece.holders.contains(at.first); });
       // If all nodes that had it are gone, this is the only copy for those that come back.
       if (!is_needed && !piece.holders.empty()) forget_file(&piece);
     }
@@ -159,7 +160,9 @@ void LightBoard::give_out(Stage& stage, NodeId node, TimePoint now, Orders* orde
 }
 
 void LightBoard::order_pieces(TimePoint now, const std::function<bool(NodeId)>& is_idle, Orders* orders) {
-  for (const auto& [node, number] : at_) {
+  for (const auto& at : at_) {
+    const NodeId node = at.first;
+    const auto number = at.second;
     if (!is_idle(node)) continue;
     Stage& stage = stages_.at(number);
     auto working = static_cast<std::size_t>(std::ranges::count_if(

@@ -29,7 +29,7 @@ class PieceFolder {
   /// Returns the results; nothing if there is no such piece or its file is damaged.
   [[nodiscard]] std::optional<PieceBytes> load(const LightStage& stage, std::uint32_t piece) const;
   /// Errors: kSystem, with a remedy if the disk is full; everything saved before stays.
-  Status save(const LightStage& stage, std::uint32_t piece, std::span<const std::byte> results) const;
+  [[nodiscard]] Status save(const LightStage& stage, std::uint32_t piece, std::span<const std::byte> results) const;
   [[nodiscard]] std::filesystem::path file_of(std::uint32_t stage, std::uint32_t piece) const;
   /// Removes the folder.
   void remove() const;

@@ -43,9 +43,9 @@ std::span<const std::byte> program_id() {
           for (std::size_t i = 0; i < object->dlpi_phnum && id.empty(); ++i) {
             const ElfW(Phdr)& segment = object->dlpi_phdr[i];
             if (segment.p_type != PT_NOTE) continue;
+            const ElfW(Addr) address = object->dlpi_addr + segment.p_vaddr;
             // NOLINTNEXTLINE(performance-no-int-to-ptr): the loader gives addresses as integers.
-            id =
-                build_id_in({reinterpret_cast<const std::byte*>(object->dlpi_addr + segment.p_vaddr), segment.p_memsz});
+            id = build_id_in({reinterpret_cast<const std::byte*>(address), segment.p_memsz});
           }
           return 1;
         },

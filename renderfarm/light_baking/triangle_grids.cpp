@@ -410,6 +410,7 @@ class GridMaker {
     for (const std::size_t i : base) from_base &= side_.points[i].exists();
     if (from_base) {
       std::vector<ProbeLight> light;
+      light.reserve(base.size());
       for (const std::size_t i : base) {
         light.push_back({side_.light[i].surfaces.light, side_.light[i].surfaces.error});
       }

@@ -33,10 +33,10 @@ class OrderedPieces final : public light_baking::LightPieces {
     std::uint32_t piece = 0;
   };
   /// Waits for an order, then returns all that have come.
-  Result<std::vector<Order>> next_orders() const;
+  [[nodiscard]] Result<std::vector<Order>> next_orders() const;
   [[nodiscard]] bool take_kept(const light_baking::LightStage& stage, const light_baking::StageWork& work,
                                std::uint32_t piece) const;
-  Status report(const light_baking::LightStage& stage, std::uint32_t piece) const;
+  [[nodiscard]] Status report(const light_baking::LightStage& stage, std::uint32_t piece) const;
 
   light_baking::PieceFolder folder_;
   const int orders_;

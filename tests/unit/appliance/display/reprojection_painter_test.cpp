@@ -85,9 +85,11 @@ DisplayFrame striped_frame(double period_px, double amplitude_codes) {
 
 double middle_amplitude(const RgbImage& picture) {
   constexpr int kReach = 24;
+  const int middle_x = picture.width() / 2;
+  const int middle_y = picture.height() / 2;
   double squares = 0.0;
   for (int x = -kReach; x < kReach; ++x) {
-    const double off = picture.at(picture.width() / 2 + x, picture.height() / 2)[1] - 127.0;
+    const double off = picture.at(middle_x + x, middle_y)[1] - 127.0;
     squares += off * off;
   }
   return std::sqrt(squares / kReach);

@@ -174,7 +174,7 @@ TEST(LightBoard, loses_only_what_a_killed_node_alone_had) {
   s.come_back(2);
   s.finish();
   EXPECT_TRUE(s.is_done());
-  EXPECT_LE(s.computed, static_cast<int>(kStages * kPieces + 3 * LightBoard::kOrdered));
+  EXPECT_LE(s.computed, static_cast<int>(std::size_t{kStages} * kPieces + 3 * LightBoard::kOrdered));
 }
 
 TEST(LightBoard, gives_a_node_that_comes_late_what_there_is) {
@@ -184,7 +184,7 @@ TEST(LightBoard, gives_a_node_that_comes_late_what_there_is) {
   s.come(2);
   s.finish();
   EXPECT_TRUE(s.is_done());
-  EXPECT_LE(s.computed, static_cast<int>(kStages * kPieces + LightBoard::kOrdered));
+  EXPECT_LE(s.computed, static_cast<int>(std::size_t{kStages} * kPieces + LightBoard::kOrdered));
 }
 
 TEST(LightBoard, lets_an_idle_node_compute_what_a_busy_one_was_ordered_to) {

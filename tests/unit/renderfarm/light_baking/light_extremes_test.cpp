@@ -79,8 +79,10 @@ TEST(LightExtremes, ten_thousand_lamps_light_a_scene_as_in_traced_pictures) {
   scene::Scene scene = box_scene(0.6f, 8);
   constexpr int kEach = 100;
   for (int i = 0; i < kEach * kEach; ++i) {
-    const double x = 3.6 * (i % kEach + 0.5) / kEach - 1.8;
-    const double z = 3.6 * (i / kEach + 0.5) / kEach - 1.8;
+    const int column = i % kEach;
+    const int row = i / kEach;
+    const double x = 3.6 * (column + 0.5) / kEach - 1.8;
+    const double z = 3.6 * (row + 0.5) / kEach - 1.8;
     scene.model.lights.push_back(point_light({x, 1.7, z}, 20.0f / (kEach * kEach)));
   }
   scene.bounces = 3;
@@ -119,9 +121,11 @@ TEST(LightExtremes, a_thousand_instances_of_a_mesh_have_light_of_their_own_in_bo
   const scene::Instance first = scene.model.instances.back();
   for (int i = 1; i < kEach * kEach * kEach; ++i) {
     scene::Instance instance = first;
-    instance.T_model_mesh = Eigen::Translation3d(0.36 * (i % kEach) - 1.7, 0.36 * (i / kEach % kEach) - 1.9,
-                                                 0.36 * (i / kEach / kEach) - 1.7) *
-                            first.T_model_mesh;
+    const int row = i / kEach;
+    const int layer = row / kEach;
+    instance.T_model_mesh =
+        Eigen::Translation3d(0.36 * (i % kEach) - 1.7, 0.36 * (row % kEach) - 1.9, 0.36 * layer - 1.7) *
+        first.T_model_mesh;
     scene.model.instances.push_back(instance);
   }
   const std::size_t instances = scene.model.instances.size();

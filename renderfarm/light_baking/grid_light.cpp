@@ -44,14 +44,10 @@ std::vector<ProbeLight> as_probes(std::span<const GatheredLight> gathered) {
 
 std::vector<ProbeLight> smoothed(std::span<const std::uint8_t> separate, int parts, std::vector<GatheredLight> light) {
   std::vector<Neighbours> pairs;
-  for_each_sample(parts, [&](int i, int j) {
+  for_each_pair(parts, [&](int i, int j, int k, int l) {
     const auto here = static_cast<std::uint32_t>(TriangleGrid::index(parts, i, j));
-    for (const auto& [di, dj] : kNeighbours) {
-      if (i + di < 0 || i + di + j + dj > parts) continue;
-      const auto other = static_cast<std::uint32_t>(TriangleGrid::index(parts, i + di, j + dj));
-      if (!separate.empty() && (separate[here] != 0 || separate[other] != 0)) continue;
-      pairs.push_back({here, other, 1.0f});
-    }
+    const auto other = static_cast<std::uint32_t>(TriangleGrid::index(parts, k, l));
+    if (separate.empty() || (separate[here] == 0 && separate[other] == 0)) pairs.push_back({here, other, 1.0f});
   });
   smooth(pairs, light);
   return as_probes(light);
@@ -67,13 +63,13 @@ void refine(MadeGrid* grid) {
     const auto here = static_cast<std::size_t>(TriangleGrid::index(parts, 2 * i, 2 * j));
     light[here] = grid->light[old];
     separate[here] = grid->separate[old];
-    for (const auto& [di, dj] : kNeighbours) {
-      if (i + di < 0 || i + di + j + dj > grid->parts) continue;
-      const auto other = static_cast<std::size_t>(TriangleGrid::index(grid->parts, i + di, j + dj));
-      const auto at = static_cast<std::size_t>(TriangleGrid::index(parts, 2 * i + di, 2 * j + dj));
-      light[at] = mean(grid->light[old], grid->light[other]);
-      separate[at] = grid->separate[old] | grid->separate[other];
-    }
+  });
+  for_each_pair(grid->parts, [&](int i, int j, int k, int l) {
+    const auto a = static_cast<std::size_t>(TriangleGrid::index(grid->parts, i, j));
+    const auto b = static_cast<std::size_t>(TriangleGrid::index(grid->parts, k, l));
+    const auto between = static_cast<std::size_t>(TriangleGrid::index(parts, i + k, j + l));
+    light[between] = mean(grid->light[a], grid->light[b]);
+    separate[between] = grid->separate[a] | grid->separate[b];
   });
   grid->parts = parts;
   grid->light = std::move(light);

@@ -37,6 +37,17 @@ void for_each_sample(int parts, Visit visit) {
   }
 }
 
+/// Calls visit(i, j, k, l) for each pair of neighbours (i, j) and (k, l), once. The sample between them has the place
+/// (i + k, j + l) in a grid of twice as many parts.
+template <typename Visit>
+void for_each_pair(int parts, Visit visit) {
+  for_each_sample(parts, [&](int i, int j) {
+    for (const auto& [di, dj] : kNeighbours) {
+      if (i + di >= 0 && i + di + j + dj <= parts) visit(i, j, i + di, j + dj);
+    }
+  });
+}
+
 /// Returns the mean of two samples.
 [[nodiscard]] ProbeLight mean(const ProbeLight& a, const ProbeLight& b);
 

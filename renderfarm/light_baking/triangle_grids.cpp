@@ -344,20 +344,19 @@ class GridMaker {
     std::vector<Midpoint> active;
     std::vector<LightSpot> points;
     for_each_sample(grid->parts, [&](int i, int j) {
-      const auto old = static_cast<std::size_t>(TriangleGrid::index(grid->parts, i, j));
-      const auto here = static_cast<std::size_t>(TriangleGrid::index(parts, 2 * i, 2 * j));
-      finer[here] = grid->light[old];
-      for (const auto& [di, dj] : kNeighbours) {
-        if (i + di < 0 || i + di + j + dj > grid->parts) continue;
-        const auto other = static_cast<std::size_t>(TriangleGrid::index(grid->parts, i + di, j + dj));
-        const auto b = static_cast<std::size_t>(TriangleGrid::index(parts, 2 * (i + di), 2 * (j + dj)));
-        const auto at = static_cast<std::size_t>(TriangleGrid::index(parts, 2 * i + di, 2 * j + dj));
-        finer[at] = mean(grid->light[old], grid->light[other]);
-        if (grid->rough[old] == 0 && grid->rough[other] == 0) continue;
-        active.push_back({at, here, b});
-        points.emplace_back(
-            point(grid->triangle, grid_weights(parts, 2 * i + di, 2 * j + dj), 1000u + static_cast<std::uint32_t>(at)));
-      }
+      finer[static_cast<std::size_t>(TriangleGrid::index(parts, 2 * i, 2 * j))] =
+          grid->light[static_cast<std::size_t>(TriangleGrid::index(grid->parts, i, j))];
+    });
+    for_each_pair(grid->parts, [&](int i, int j, int k, int l) {
+      const auto old_a = static_cast<std::size_t>(TriangleGrid::index(grid->parts, i, j));
+      const auto old_b = static_cast<std::size_t>(TriangleGrid::index(grid->parts, k, l));
+      const auto at = static_cast<std::size_t>(TriangleGrid::index(parts, i + k, j + l));
+      finer[at] = mean(grid->light[old_a], grid->light[old_b]);
+      if (grid->rough[old_a] == 0 && grid->rough[old_b] == 0) return;
+      active.push_back({at, static_cast<std::size_t>(TriangleGrid::index(parts, 2 * i, 2 * j)),
+                        static_cast<std::size_t>(TriangleGrid::index(parts, 2 * k, 2 * l))});
+      points.emplace_back(
+          point(grid->triangle, grid_weights(parts, i + k, j + l), 1000u + static_cast<std::uint32_t>(at)));
     });
     const std::vector<ProbeLight> light = light_at(points);
     const float middle = all_light(grid->triangle, kMiddle);
@@ -456,13 +455,9 @@ class GridMaker {
     const auto position = [&](int i, int j) {
       return point(grid->triangle, grid_weights(grid->parts, i, j), 0).position;
     };
-    for_each_sample(grid->parts, [&](int i, int j) {
-      const int here = TriangleGrid::index(grid->parts, i, j);
-      for (const auto& [di, dj] : kNeighbours) {
-        if (i + di < 0 || i + di + j + dj > grid->parts) continue;
-        ends.push_back({here, TriangleGrid::index(grid->parts, i + di, j + dj)});
-        pairs.push_back({position(i, j), position(i + di, j + dj)});
-      }
+    for_each_pair(grid->parts, [&](int i, int j, int k, int l) {
+      ends.push_back({TriangleGrid::index(grid->parts, i, j), TriangleGrid::index(grid->parts, k, l)});
+      pairs.push_back({position(i, j), position(k, l)});
     });
     std::vector<std::uint8_t> visible(pairs.size());
     tracer_.find_visible(pairs, visible);

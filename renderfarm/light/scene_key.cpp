@@ -12,7 +12,7 @@ namespace cyclorama::light {
 namespace {
 
 /// Version of the hash; to be increased whenever light stored by earlier programs must not be used.
-constexpr std::uint32_t kKeyVersion = 1;
+constexpr std::uint32_t kKeyVersion = 2;
 
 class Hash {
  public:

@@ -9,7 +9,7 @@
 
 namespace cyclorama::display {
 
-/// Filter by which a moved frame is read between its pixels. A plain bilinear one softens it, which costs 1.3 dB.
+/// Filter by which a moved frame is read between its pixels. A plain bilinear one would soften it.
 enum class MeshFilter {
   kSharp,      ///< A filter of 12 pixels, at every refresh.
   kSharpened,  ///< Bilinear, in light that was sharpened once (light_sharpener.h); for software renderers.

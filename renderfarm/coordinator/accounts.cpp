@@ -68,7 +68,7 @@ Accounts::Turn Accounts::begin(AccountId id, const Demand& demand, TimePoint now
   Turn turn{is_over_quota(id, now) ? WorkClass::kSpare : wanted, 0.0, demand.cpu_seconds};
   Flow& flow = account.flows[index_of(turn.work)];
   const double fair = fair_time(index_of(turn.work), now);
-  // What waits keeps its place, however long it waits.
+  // An account that waits keeps its place, however long it waits.
   if (flow.frames++ == 0) flow.time = std::max(flow.time, fair);
   turn.start = flow.time + flow.reserved / account.terms.weight;
   flow.reserved += turn.reserved;

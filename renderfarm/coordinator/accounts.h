@@ -69,7 +69,7 @@ class Accounts {
   [[nodiscard]] double received(AccountId account, WorkClass work) const;
   /// Returns what an account may catch up with, in virtual time.
   [[nodiscard]] double credit() const;
-  /// Cpu-seconds charged since the account was first opened; 0 for an unknown one.
+  /// Returns the cpu-seconds charged since the account was first opened; 0 for an unknown account.
   [[nodiscard]] double charged_seconds(AccountId account) const;
 
   /// Seconds of its share of the farm by which an account may catch up.

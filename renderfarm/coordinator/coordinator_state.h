@@ -55,11 +55,11 @@ struct CoordinatorLimits {
 /// Its parts have one duty each and can be tested alone: NodeTable (who can do what), NodeSpeeds (how fast they are),
 /// Deadlines (what is late), Accounts (whose turn it is) and Placement (which nodes a session uses).
 ///
-/// Frames of a session: a view waits in one slot (the newest wins) until fewer than two frames are unfinished or
-/// unwritten. It is then split among the nodes that have the scene, and all blocks are sent at once, so that a node
-/// starts its next block as soon as it has sent the last one. Nodes serve blocks by rank (see Accounts), so museums
-/// take turns. Of two frames, the tiles of the older one are relayed to the museum as they arrive, and those of the
-/// newer one are held.
+/// Frames of a session: a view waits in one slot, in which a newer view replaces it, until fewer than two frames are
+/// unfinished or unwritten. It is then split among the nodes that have the scene, and all blocks are sent at once, so
+/// that a node can start its next block as soon as it has sent the previous one. Nodes serve blocks by rank (see
+/// Accounts), so museums take turns. If two frames are in flight, the tiles of the older one are relayed to the museum
+/// as they arrive, and the tiles of the newer one are held.
 ///
 /// A session with a frame budget is governed: a Governor chooses the quality of each view. After a while without a
 /// request, the last view is refined, picture by picture, until the reference quality is reached. A refined picture is
@@ -196,7 +196,8 @@ class CoordinatorState {
   /// Checks the deadlines of the session's oldest frame. May end the session.
   void watch(SessionId id);
   void meet_deadlines(SessionId id);
-  /// Marks the node as late for the account: it gets no more of its blocks, and what it owes is reassigned.
+  /// Marks the node as late for the account: it gets no more blocks of the account, and its outstanding tiles are
+  /// reassigned.
   void retire(NodeId id, AccountId account);
   void log_late_node(Node& node);
   void lose_blocks(const std::map<std::uint64_t, BlockLocation>& blocks, NodeId not_to);

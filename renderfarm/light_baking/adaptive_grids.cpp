@@ -204,7 +204,7 @@ class GridSpender {
       samples += static_cast<std::uint64_t>(light::TriangleGrid::samples(entry.grid.surface_parts()));
     }
     settings.final_rays = settings.rays_of(settings.final_rays, samples, 1);
-    // What is left is divided among the uneven triangles, so that it does not matter which thread makes a grid first.
+    // The remaining samples are divided among the uneven triangles, so that the order of the threads does not matter.
     const auto uneven = static_cast<std::uint64_t>(
         std::ranges::count_if(entries_, [](const Entry& entry) { return entry.grid.is_uneven(); }));
     const std::uint64_t share = left_ / std::max<std::uint64_t>(uneven, 1);

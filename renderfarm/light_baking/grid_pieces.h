@@ -12,8 +12,8 @@ inline constexpr std::size_t kMinGridBytes = 32;
 void add(const GridInWork& grid, PieceWriter* to);
 void add(const MadeGrid& grid, PieceWriter* to);
 
-// What is read from a piece has the form that its users rely on; other bytes are refused with kBadData. `triangles` is
-// the number of triangles of its mesh.
+// The following functions check that a grid has the form that its users rely on. `triangles` is the number of triangles
+// of its mesh. Errors: kBadData.
 
 Result<GridInWork> read_grid_in_work(PieceReader* from, std::size_t triangles);
 Result<MadeGrid> read_made_grid(PieceReader* from, std::size_t triangles);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How the computation of light is divided. It is a sequence of stages; each needs the results of all before, so a
-/// stage is a barrier. A stage consists of pieces that do not depend on each other: whoever computes a piece, its bytes
-/// are the same. Every host runs the whole sequence, and takes the results of a piece instead of computing it where
-/// they are known already:
+/// Divides the computation of light. It is a sequence of stages; each needs the results of all before, so a stage is a
+/// barrier. A stage consists of pieces that do not depend on each other: whoever computes a piece, its bytes are the
+/// same. Every host runs the whole sequence, and takes the results of a piece instead of computing it where they are
+/// known already:
 ///
 ///     stage 0:  piece 0 │ piece 1 │ ...  ──all taken──►  stage 1:  piece 0 │ ...  ──►  ...  ──►  the light
 ///                 computed here, from an earlier run's file, or from another node
 ///
-/// What is cheap is no stage: every host computes it alike.
+/// Cheap computations are not stages: every host does them by itself.
 #pragma once
 
 #include <cstdint>

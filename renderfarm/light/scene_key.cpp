@@ -12,7 +12,7 @@ namespace cyclorama::light {
 namespace {
 
 /// Version of the hash; to be increased whenever light stored by earlier programs must not be used.
-constexpr std::uint32_t kKeyVersion = 2;
+constexpr std::uint32_t kKeyVersion = 3;
 
 class Hash {
  public:
@@ -116,8 +116,7 @@ SceneKey key_of(const scene::Scene& scene) {
     hash.add(instance.T_model_mesh.matrix());
   }
   for (const scene::Light& light : model.lights) add(light, &hash);
-  for (const Eigen::Vector3f& colour :
-       {scene.sky.zenith, scene.sky.horizon, scene.sky.ground, scene.ambient, scene.eye_lamp}) {
+  for (const Eigen::Vector3f& colour : {scene.sky.zenith, scene.sky.horizon, scene.sky.ground, scene.ambient}) {
     hash.add(colour);
   }
   if (scene.environment != nullptr) {

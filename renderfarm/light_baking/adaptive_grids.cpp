@@ -50,11 +50,8 @@ class GridSpender {
 
   Result<std::vector<SideGrids>> run() {
     TRY(probe());
-    for (bool is_done = false; left_ > 0 && !is_over() && !is_done;) {
-      TRY_ASSIGN(const bool has_stepped, step());
-      is_done = !has_stepped;
-      report(kProbingShare + kStepsShare * (1.0 - static_cast<double>(left_) / static_cast<double>(budget_.samples)));
-    }
+    TRY(spend(budget_.samples, [](const GridInWork&) { return true; }));
+    TRY(spend(budget_.resolving_samples, [](const GridInWork& grid) { return grid.is_unresolved(); }));
     return finish();
   }
 
@@ -137,11 +134,32 @@ class GridSpender {
     return Done{};
   }
 
+  [[nodiscard]] std::uint64_t used_samples() const {
+    std::uint64_t used = 0;
+    for (const Entry& entry : entries_) used += entry.grid.light.size();
+    return used;
+  }
+
+  /// Performs steps of grids that may(grid), until all grids together have `samples` or want no more.
+  template <typename May>
+  [[nodiscard]] Status spend(std::uint64_t samples, May may) {
+    left_ = samples - std::min(samples, used_samples());
+    for (bool is_done = false; left_ > 0 && !is_over() && !is_done;) {
+      TRY_ASSIGN(const bool has_stepped, step(may));
+      is_done = !has_stepped;
+      left_ = samples - used_samples();  // A step that improved nothing has stored nothing.
+      report(kProbingShare + kStepsShare * (1.0 - static_cast<double>(left_) / static_cast<double>(samples)));
+    }
+    return Done{};
+  }
+
   /// Performs the best steps that fit. Returns false if there were none.
-  [[nodiscard]] Result<bool> step() {
+  template <typename May>
+  [[nodiscard]] Result<bool> step(May may) {
     std::vector<std::pair<double, std::size_t>> wanted;
     for (std::size_t i = 0; i < entries_.size(); ++i) {
-      if (entries_[i].grid.wants_step()) wanted.emplace_back(gain_of(entries_[i].grid), i);
+      const GridInWork& grid = entries_[i].grid;
+      if (grid.wants_step() && may(grid)) wanted.emplace_back(gain_of(grid), i);
     }
     std::ranges::sort(wanted, [](const auto& a, const auto& b) {
       return a.first != b.first ? a.first > b.first : a.second < b.second;
@@ -156,9 +174,6 @@ class GridSpender {
       if (taken >= left_ / kRoundShare) break;
     }
     TRY(advance(chosen));
-    std::uint64_t used = 0;
-    for (const Entry& entry : entries_) used += entry.grid.light.size();
-    left_ = budget_.samples - used;  // A step that improved nothing has stored nothing.
     return !chosen.empty();
   }
 

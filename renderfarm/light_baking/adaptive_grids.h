@@ -31,6 +31,8 @@ struct SeenSide {
 /// Limits for all grids together.
 struct GridBudget {
   std::uint64_t samples = 0;
+  /// Samples that there may be if those beyond `samples` are on triangles which would be unresolved without them.
+  std::uint64_t resolving_samples = 0;
   std::function<bool()> is_over{};                ///< Returns true once the time is up; may be null.
   std::function<Status()> check_cancelled{};      ///< Returns an error once the result is of no use; may be null.
   std::function<void(double)> add_cpu_seconds{};  ///< Called from any thread after each piece of work; may be null.
@@ -39,8 +41,7 @@ struct GridBudget {
 
 struct SideGrids {
   std::vector<MadeGrid> grids{};
-  /// Triangles that cover much of a picture and need more than their vertices, but for which the budget did not
-  /// suffice.
+  /// Triangles that cover much of a picture and need more than their vertices, but for which neither budget sufficed.
   std::vector<std::uint32_t> unresolved{};
 };
 

@@ -145,7 +145,8 @@ class Baker {
     // The structured binding does not compile if a setting is added, so that none is forgotten.
     const auto& [eyes, rays_per_eye, pixels_per_degree, pixels_per_sample, max_light_rays, light_error,
                  max_grid_light_rays, grid_light_error, coarse_rays, final_rays, min_rays, surface_error, probe_error,
-                 dim_light, max_parts, bytes_per_triangle, min_bytes, max_cpu_seconds, seed, check_eyes] = settings_;
+                 dim_light, max_parts, bytes_per_triangle, min_bytes, resolving_bytes, max_cpu_seconds, seed,
+                 check_eyes] = settings_;
     for (const int value : {eyes, rays_per_eye, max_light_rays, max_grid_light_rays, coarse_rays, final_rays, max_parts,
                             check_eyes, bounces_})
       out.add(value);
@@ -154,6 +155,7 @@ class Baker {
       out.add(value);
     out.add(min_rays);
     out.add(min_bytes);
+    out.add(resolving_bytes);
     out.add(seed);
     stages_.add(out.take());
     stages_.add(program_id());
@@ -363,8 +365,8 @@ class Baker {
                        });
   }
 
-  /// Returns the number of samples that grids may have within the budget of bytes.
-  [[nodiscard]] std::uint64_t grid_samples() const {
+  /// Returns the number of samples that grids may have if there are at least `min_bytes` for all samples.
+  [[nodiscard]] std::uint64_t grid_samples(std::uint64_t min_bytes) const {
     double triangles = 0.0;
     std::uint64_t taken = 0;
     for (const render::Placement& placement : scene_.placements) {
@@ -374,8 +376,7 @@ class Baker {
       taken += side.points.size() * (light::kSampleBytes + (has_directions(side) ? sizeof(std::uint32_t) : 0)) +
                side.blocked.size() * sizeof(std::uint32_t);
     }
-    const auto bytes =
-        std::max(settings_.min_bytes, static_cast<std::uint64_t>(settings_.bytes_per_triangle * triangles));
+    const auto bytes = std::max(min_bytes, static_cast<std::uint64_t>(settings_.bytes_per_triangle * triangles));
     return std::min<std::uint64_t>((bytes - std::min(bytes, taken)) / light::kSampleBytes,
                                    light::TriangleGrid::kMaxOffset);
   }
@@ -385,7 +386,8 @@ class Baker {
     seen.reserve(sides_.size());
     for (const BaseSide& side : sides_) seen.push_back({lit(side), side.triangles});
     GridBudget budget;
-    budget.samples = grid_samples();
+    budget.samples = grid_samples(settings_.min_bytes);
+    budget.resolving_samples = grid_samples(std::max(settings_.min_bytes, settings_.resolving_bytes));
     budget.is_over = [this] {
       return settings_.max_cpu_seconds > 0.0 && cpu_seconds_.load() > settings_.max_cpu_seconds;
     };
@@ -529,11 +531,6 @@ Status add_check(render::Renderer& renderer, int eyes, const std::function<void(
 Result<BakedLight> bake_light(render::Renderer& renderer, const BakeSettings& settings, int threads,
                               const std::function<void(double)>& progress, const std::function<bool()>& cancelled,
                               LightPieces* pieces) {
-  if (!renderer.scene().eye_lamp.isZero(0.0f)) {
-    return Error(ErrorCode::kInvalidArgument,
-                 "this scene is lit by a lamp that the visitor carries, so its light cannot be computed ahead; remove "
-                 "the lamp from scene.toml or place lamps");
-  }
   TRY(renderer.set_light(nullptr, ""));
   const double baking_share = settings.check_eyes > 0 ? kBakingShare : 1.0;
   const auto share_of_progress = [&](double fraction) {

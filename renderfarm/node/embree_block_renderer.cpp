@@ -96,7 +96,7 @@ class EmbreeBlockRenderer final : public BlockRenderer {
 
   [[nodiscard]] std::string note() const override { return note_; }
 
-  [[nodiscard]] bool can_have_light() const override { return renderer_->scene().eye_lamp.isZero(0.0f); }
+  [[nodiscard]] bool can_have_light() const override { return !renderer_->scene().model.instances.empty(); }
 
   Result<VersionedLight> add_light(std::span<const std::byte> file, std::string_view name) override {
     TRY_ASSIGN(light::LightStore read, light::parse_light_file(file, name));

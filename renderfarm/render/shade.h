@@ -13,6 +13,7 @@
 
 #include "renderfarm/light/mean_direction.h"
 #include "renderfarm/render/kernel.h"
+#include "renderfarm/render/lights/eye_lamp.h"
 #include "renderfarm/render/sample_batch.h"
 #include "renderfarm/render/sampler.h"
 #include "renderfarm/render/shading.h"
@@ -270,20 +271,15 @@ class Shade {
     reflected(ray, ray.throughput.cwiseProduct(scene_.ambient).cwiseProduct(scattering.albedo()));
   }
 
-  /// Adds the light of the lamp at the eye. Its shadows are hidden from the eye by the objects that cast them, so
-  /// surfaces that camera rays hit need no shadow ray.
+  /// Adds the light of the lamp at the eye. Surfaces that camera rays hit need no shadow ray.
   void shine_eye_lamp(int i, const PathRay& ray, const SurfacePoint& point, const Scatter& scattering, const Vec3& wo) {
-    // Limits the light on near surfaces, because the lamp is beside the eye, not at it.
-    constexpr float kMinDistance2 = 0.05f * 0.05f;
-    if (scene_.eye_lamp.isZero(0.0f)) return;
-    const Vec3 offset = view_.eye - point.position;
-    const float distance2 = std::max(offset.squaredNorm(), kMinDistance2);
-    const Vec3 direction = ray.surfaces == 0 ? wo : normalized_or(offset, wo);
-    const Vec3 light =
-        ray.throughput.cwiseProduct(scattering.evaluate(direction)).cwiseProduct(scene_.eye_lamp) / distance2;
+    if (ray.scatterings > 0 || scene_.eye_lamp.isZero(0.0f)) return;
+    const EyeLampLight lamp = eye_lamp_at(scene_.eye_lamp, view_.eye, point.position, wo);
+    const Vec3 direction = ray.surfaces == 0 ? wo : lamp.direction;
+    const Vec3 light = ray.throughput.cwiseProduct(scattering.evaluate(direction)).cwiseProduct(lamp.irradiance);
     if (ray.surfaces == 0) return reflected(ray, light);
     if (point.facing.dot(direction) > 0.0f)
-      shadow(alpha_random_number_of(i, ray), ray, point, direction, std::sqrt(distance2), light);
+      shadow(alpha_random_number_of(i, ray), ray, point, direction, lamp.distance, light);
   }
 
   template <typename Lobes>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/render/stored_light_stage.h"
 
+#include "renderfarm/render/lights/eye_lamp.h"
 #include "renderfarm/render/surface.h"
 #include "renderfarm/render/texture_lookup.h"
 
@@ -13,12 +14,8 @@ constexpr int kAhead = 16;
 /// Ends paths of one batch at stored light. Thread-bound.
 class StoredLightStage {
  public:
-  StoredLightStage(const TraceScene& scene, int max_scatterings, PathBatch& batch)
-      : scene_(scene),
-        max_scatterings_(max_scatterings),
-        light_(*scene.light),
-        batch_(batch),
-        rays_(batch.current().rays) {}
+  StoredLightStage(const TraceScene& scene, const TraceView& view, PathBatch& batch)
+      : scene_(scene), view_(view), light_(*scene.light), batch_(batch), rays_(batch.current().rays) {}
 
   void run() {
     std::array<PathRay, kMaxRays>& state = batch_.current().state;
@@ -74,7 +71,9 @@ class StoredLightStage {
   /// Adds the stored light that the ray finds to its path and returns true; returns false if the path does not end
   /// here.
   [[nodiscard]] bool ends(int i, const PathRay& ray) {
-    if (ray.only_light || ray.scatterings > max_scatterings_ || !ray.absorption.isZero(0.0f)) return false;
+    if (ray.only_light || ray.scatterings > view_.max_stored_scatterings || !ray.absorption.isZero(0.0f)) return false;
+    const bool eye_lamp = ray.scatterings == 0 && !scene_.eye_lamp.isZero(0.0f);
+    if (eye_lamp && ray.surfaces > 0) return false;  // The lamp may be hidden, as from what a mirror shows.
     const RTCHit hit = rays_.hit(i);
     const Placement* const placement = plain_at(i, hit);
     if (placement == nullptr) return false;
@@ -86,14 +85,23 @@ class StoredLightStage {
     triangle.corners = mesh.triangles[hit.primID];
     triangle.weights = barycentric_weights(hit);
     const int side = sees_front(*placement, *triangle.record, rays_.direction(i)) ? 0 : 1;
-    const std::optional<Vec3> stored = light_.at(top_of(hit), side, hit.primID, triangle.corners, triangle.weights);
+    std::optional<Vec3> stored = light_.at(top_of(hit), side, hit.primID, triangle.corners, triangle.weights);
     if (!stored) return false;
+    if (eye_lamp) *stored += eye_lamp_over_pi(i, triangle);
     Path& path = batch_.path[ray.path];
     const Vec3 colour = colour_at(i, ray, triangle);
     Vec3& sum = ray.scatterings == 0 ? path.direct : path.indirect;
     // Components are added one by one, because processors stall on reading a vector that was written in parts.
     for (int c = 0; c < 3; ++c) sum[c] += ray.throughput[c] * (*stored)[c] * std::clamp(colour[c], 0.0f, 1.0f);
     return true;
+  }
+
+  /// Returns the eye lamp's irradiance over pi at a hit of a camera ray.
+  [[nodiscard]] Vec3 eye_lamp_over_pi(int i, const TriangleHit& triangle) const {
+    const Vec3 direction = rays_.direction(i);
+    const SurfacePoint point = surface_at(triangle, direction);
+    const EyeLampLight lamp = eye_lamp_at(scene_.eye_lamp, view_.eye, point.position, -direction);
+    return std::max(0.0f, -point.normal.dot(direction)) / kPi * lamp.irradiance;
   }
 
   /// Returns SurfacePoint::front, as surface_at() computes it.
@@ -126,7 +134,7 @@ class StoredLightStage {
   }
 
   const TraceScene& scene_;
-  const int max_scatterings_;
+  const TraceView& view_;
   const light::LightStore& light_;
   PathBatch& batch_;
   RayQueue<RTCRayHit16>& rays_;
@@ -135,11 +143,11 @@ class StoredLightStage {
 }  // namespace
 
 bool ends_at_stored_light(const TraceScene& scene, const TraceView& view) {
-  return view.quality.stored_light && scene.light != nullptr && !view.features && scene.eye_lamp.isZero(0.0f);
+  return view.quality.stored_light && scene.light != nullptr && !view.features;
 }
 
 void end_at_stored_light(const TraceScene& scene, const TraceView& view, PathBatch& batch) {
-  StoredLightStage(scene, view.max_stored_scatterings, batch).run();
+  StoredLightStage(scene, view, batch).run();
 }
 
 }  // namespace cyclorama::render

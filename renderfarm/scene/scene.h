@@ -57,7 +57,7 @@ struct Scene {
   std::shared_ptr<const EnvironmentMap> environment;  ///< Replaces the sky. May be null.
   /// Radiance from all directions that surfaces receive in addition; casts no shadows.
   Eigen::Vector3f ambient = Eigen::Vector3f::Zero();
-  /// Lamp that the visitor carries at the eye, in candela; zero for none.
+  /// Lamp at the visitor's eye, in candela; zero for none. It lights what the eye sees, without indirect light.
   Eigen::Vector3f eye_lamp = Eigen::Vector3f::Zero();
   double exposure = 1.0;  ///< Factor by which radiance is multiplied before tone mapping.
   ToneCurve tone = ToneCurve::kShoulder;

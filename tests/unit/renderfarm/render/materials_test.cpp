@@ -299,6 +299,19 @@ TEST(Materials, the_eye_lamp_follows_the_inverse_square_law_and_casts_no_shadow)
   EXPECT_NEAR(radiance_of(*renderer, view).at(0, 0)[0], 0.25f, 1e-3f);
 }
 
+TEST(Materials, the_eye_lamp_gives_no_indirect_light) {
+  scene::Scene scene = scene_of(sphere_mesh(3.0f, 24));
+  scene.model.materials[0].base_colour.head<3>().setConstant(0.9f);
+  scene.eye_lamp.setConstant(5.0f);
+  const auto renderer = built(std::move(scene));
+  PanoramaView view = view_from({0.3, 0.2, 0.1}, 32, 16, 2.0, -2.0);
+  view.quality.bounces = 0;
+  const double direct = mean_of(radiance_of(*renderer, view));
+  EXPECT_GT(direct, 0.0);
+  view.quality.bounces = 8;
+  EXPECT_NEAR(mean_of(radiance_of(*renderer, view)), direct, 1e-6 * direct);
+}
+
 TEST(Materials, an_unlit_surface_shows_its_base_colour_whatever_light_there_is) {
   for (const bool lit : {false, true}) {
     scene::Scene scene = wall(Eigen::Vector3f(0.5f, 0.75f, 1.0f));

@@ -5,17 +5,14 @@ import pathlib
 import subprocess
 import sys
 
-
-# The visitor carries the lamp, so light cannot be computed ahead and pictures are path traced.
-WITHOUT_LIGHT = {"cave"}
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import scene_paths  # pylint: disable=wrong-import-position
 
 
 def argument_of(build, name, scene, rays):
-    """Returns NAME=SCENE,LIGHT or NAME=SCENE for cyclorama-bench-walk; the light stays in build/lights."""
-    if name in WITHOUT_LIGHT:
-        return f"{name}={scene}"
+    """Returns NAME=SCENE,LIGHT for cyclorama-bench-walk; the light stays in build/lights."""
     light = pathlib.Path("build/lights") / f"{name}-{scene.name}-{rays}.store"
-    if scene.exists() and not light.exists():
+    if not light.exists():
         light.parent.mkdir(parents=True, exist_ok=True)
         subprocess.run([f"{build}/bin/cyclorama-render", "light", scene, "--rays", str(rays), "--max-parts", "1",
                         "--out", light], check=True, stdout=sys.stderr)
@@ -30,12 +27,11 @@ def main():
         parser.add_argument(name, type=str.split, required=True)
     parser.add_argument("--walks", type=str.split, default=["0", "1", "2"])
     parser.add_argument("--rays", type=int, required=True)
-    parser.add_argument("--grotto", type=pathlib.Path, required=True)
-    parser.add_argument("--hall", type=pathlib.Path, required=True)
+    parser.add_argument("--grotto", required=True)
+    parser.add_argument("--hall", required=True)
     known, passed = parser.parse_known_args()
-    folders = {"grotto": known.grotto, "hall": known.hall,
-               "cave": pathlib.Path(known.shared) / "data/scenes/cave_scan_draco.glb"}
-    scenes = [argument_of(known.build, name, folders[name], known.rays) for name in known.scenes]
+    found = scene_paths.paths(known.scenes, known.grotto, known.hall, known.shared)
+    scenes = [argument_of(known.build, name, path, known.rays) for name, path in found.items()]
     return subprocess.run([f"{known.build}/tests/cyclorama-bench-walk", *scenes, "--fps", *known.fps, "--latency-ms",
                            *known.latency_ms, "--walks", *known.walks, "--json", known.json, *passed],
                           check=False).returncode

@@ -37,9 +37,9 @@ struct BakeSettings {
   /// reduce the error most.
   double bytes_per_triangle = 12.0;
   std::uint64_t min_bytes = std::uint64_t{4} << 20;
-  /// Budget, if it is more, for triangles that cover so much of a picture that paths would be traced there without it:
-  /// floors and ceilings of two triangles. Their rooms have few triangles, so the bytes that those pay for are few.
-  std::uint64_t resolving_bytes = std::uint64_t{32} << 20;
+  /// Total budget, if it is more, where the rest is for triangles on which paths would be traced otherwise, such as
+  /// floors of two triangles: a scene of few triangles may consist of them.
+  std::uint64_t resolving_bytes = std::uint64_t{12} << 20;
   /// Processor time in seconds after which no more grids are made; 0: no limit. With a limit, the result depends on the
   /// host.
   double max_cpu_seconds = 0.0;

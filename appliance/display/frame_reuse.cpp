@@ -108,12 +108,20 @@ FrameReuse::FrameReuse(const output::Gl& gl, output::GlProgram program)
   gl.VertexAttribPointer(kParallax, 1, GL_FLOAT, GL_FALSE, sizeof(float), nullptr);
 }
 
-bool FrameReuse::is_useful_for(const DisplayFrame& frame) const {
-  if (!before_ || frame.mesh == nullptr) return false;
-  if (frame.stacked != before_->stacked || !has_same_places(frame.shape, before_->shape)) return false;
-  const double moved_m = (frame.eye_m - before_->eye_m).norm();
-  return moved_m < kMaxMove_m && (moved_m > 0.0 || frame.heading_rad != before_->heading_rad);
+bool FrameReuse::is_comparable(const DisplayFrame& frame) const {
+  return before_ && frame.mesh != nullptr && frame.stacked == before_->stacked &&
+         has_same_places(frame.shape, before_->shape);
 }
+
+bool FrameReuse::is_at_rest(const DisplayFrame& frame) const {
+  return frame.eye_m == before_->eye_m && frame.heading_rad == before_->heading_rad;
+}
+
+bool FrameReuse::is_useful_for(const DisplayFrame& frame) const {
+  return is_comparable(frame) && !is_at_rest(frame) && (frame.eye_m - before_->eye_m).norm() < kMaxMove_m;
+}
+
+bool FrameReuse::is_refined_by(const DisplayFrame& frame) const { return is_comparable(frame) && is_at_rest(frame); }
 
 Status FrameReuse::remember(const DisplayFrame& frame) {
   before_.reset();

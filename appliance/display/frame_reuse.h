@@ -29,8 +29,10 @@ class FrameReuse {
   static Result<FrameReuse> make(const output::Gl& gl, Texels texels);
 
   /// True if `frame` can reuse the remembered frame: both have depth, and their eyes are less than kMaxMove_m apart.
-  /// False for a frame with the same eye and heading: it refines the remembered frame and is shown unchanged.
+  /// False for a frame that refines it.
   [[nodiscard]] bool is_useful_for(const DisplayFrame& frame) const;
+  /// True if `frame` refines the remembered frame: both have depth, the same eye and the same heading.
+  [[nodiscard]] bool is_refined_by(const DisplayFrame& frame) const;
   /// Replaces the light of `frame` in `panorama` by the mean of it and of the remembered frame's light. Preconditions:
   /// is_useful_for(frame), and `panorama` kept the remembered frame's light before it uploaded `frame`. Errors: kSystem
   /// if the graphics card refuses the buffers.
@@ -41,6 +43,8 @@ class FrameReuse {
   void forget() { before_.reset(); }
 
  private:
+  [[nodiscard]] bool is_comparable(const DisplayFrame& frame) const;
+  [[nodiscard]] bool is_at_rest(const DisplayFrame& frame) const;
   struct Before {
     double heading_rad = 0.0;
     Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();

@@ -34,8 +34,8 @@ class PictureProgram {
 ///
 ///     planes ──upload()──▶ light() ──▶ sharpened() ──ReprojectionPainter──▶ moved ──▶ id(), for pass 2
 ///                           │  ▲ └───────────────── at its own eye ───────────────────▲
-///                    keep() ▼  │ FrameReuse
-///                         earlier()
+///                    keep() ▼  │ FrameReuse                                            │
+///                         earlier() ──────────────RefinementFade───────────────────────┘
 ///
 /// The textures grow to the largest picture and never shrink: a picture of a former size allocates nothing.
 /// Thread-bound to the GL context; borrows the Gl table and the program.
@@ -84,6 +84,8 @@ class PanoramaTexture {
   /// result the frame's light. Errors: kSystem if the driver cannot draw into it.
   Status bind_drawn();
   [[nodiscard]] const Light& drawn() const { return moved_; }
+  /// Shows drawn() until the next upload(), move or show_unmoved().
+  void show_drawn() { is_moved_ = true; }
   void take_drawn() {
     std::swap(light_, moved_);
     is_sharpened_ = false;

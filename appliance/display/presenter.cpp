@@ -11,6 +11,8 @@ namespace {
 // views for smaller turns.
 constexpr double kSameHeading_rad = 1e-3;
 constexpr GLsizei kWarmUpSide_px = 4;
+/// Time in which a frame that refines its predecessor replaces it.
+constexpr Duration kRefinementFade = std::chrono::milliseconds(300);
 }  // namespace
 
 Presenter::Presenter(output::Output* output, PictureProgram program, const AttractTimes& times, PresentMailbox* mailbox,
@@ -91,6 +93,7 @@ Status Presenter::refresh() {
   TRY(show_due_frame(&event));
   turn_to_due_heading(&event);
   TRY(move_to_due_eye(&event));
+  TRY(fade_in(event.drawing_at));
   const bool is_wrong = shift_.is_past_guard || std::abs(shift_.angle_rad) > kSameHeading_rad || mailbox_.is_failing;
   fade_.step(event.drawing_at, event.is_first_of_frame, is_wrong);
   if (fade_.share() != drawn_share_) is_drawn_ = false;
@@ -179,6 +182,7 @@ Status Presenter::show_due_frame(RefreshEvent* ret_event) {
   std::unique_ptr<DisplayFrame> old = std::exchange(frame_, std::move(*next));
   if (old != nullptr) mailbox_.retired.put(std::move(old));
   moved_.setZero();
+  fade_began_ = ret_event->drawing_at;
   frame_->was_shown = true;
   is_drawn_ = false;
   ret_event->is_first_of_frame = true;
@@ -228,6 +232,12 @@ Status Presenter::move_to_due_eye(RefreshEvent* ret_event) {
   moved_ = move.eye_m;
   is_drawn_ = false;
   return light_->move(*frame_, moved_);
+}
+
+Status Presenter::fade_in(TimePoint now) {
+  if (!light_->is_fading()) return Done{};
+  is_drawn_ = false;
+  return light_->fade(to_seconds(now - fade_began_) / to_seconds(kRefinementFade));
 }
 
 Status Presenter::draw_heads() {

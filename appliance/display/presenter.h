@@ -68,6 +68,7 @@ class Presenter {
   Status show_due_frame(RefreshEvent* ret_event);
   void turn_to_due_heading(RefreshEvent* ret_event);
   Status move_to_due_eye(RefreshEvent* ret_event);
+  Status fade_in(TimePoint now);
   Status draw_heads();
   Status draw_patterns();
   void show_watcher(std::size_t head);
@@ -96,6 +97,7 @@ class Presenter {
   SynchronisedRefresh shared_;
   YawShift shift_;
   Eigen::Vector3d moved_ = Eigen::Vector3d::Zero();  // Move of the eye with which light_ is drawn.
+  TimePoint fade_began_{};                           // Time of the refresh that took frame_.
   double drawn_share_ = -1.0;
   bool is_drawn_ = false;     // The heads show the present picture.
   bool takes_turns_ = false;  // A head alternates the eyes' pictures at each refresh.

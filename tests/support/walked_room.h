@@ -132,6 +132,17 @@ class Drawing {
     CHECK(light_->move(frame, eye));
     return drawn(turn_rad);
   }
+  /// Takes a frame that refines the one before.
+  void begin_fade(const DisplayFrame& frame) {
+    CHECK(light_->take(frame));
+    CHECK(light_->is_fading());
+  }
+  /// Draws `share` of the refining frame and the rest of the one before.
+  RgbImage faded(double share) {
+    CHECK(light_->fade(share));
+    return drawn(0.0);
+  }
+  [[nodiscard]] bool is_fading() const { return light_->is_fading(); }
   /// Draws the frame that was moved before, from its original eye.
   RgbImage unmoved(const DisplayFrame& frame) {
     CHECK(light_->move(frame, Eigen::Vector3d::Zero()));

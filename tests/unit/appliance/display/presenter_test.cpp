@@ -235,6 +235,29 @@ TEST_F(PresenterTest, moves_the_last_frame_to_the_visitors_eye) {
   EXPECT_EQ(shown(), at_rest);
 }
 
+TEST_F(PresenterTest, fades_in_a_frame_that_refines_the_one_before) {
+  const auto put = [&](std::uint64_t n, std::uint8_t code) {
+    auto frame = frame_of(n, plain(80, 40, code));
+    add_mesh(frame.get());
+    mailbox_.frames.put(std::move(frame));
+  };
+  const auto middle = [&] { return int{shown().at(kWidth / 2, kHeight / 2)[1]}; };
+  put(1, 100);
+  refresh_for(std::chrono::milliseconds(400));
+  EXPECT_NEAR(middle(), 100, 1);
+  put(2, 160);
+  int last = middle();
+  EXPECT_NEAR(last, 100, 1);
+  for (int refreshes = 1; refreshes <= 30; ++refreshes) {
+    const int now = middle();
+    EXPECT_LE(now - last, 5) << refreshes;
+    EXPECT_GE(now, last) << refreshes;
+    last = now;
+  }
+  EXPECT_NEAR(last, 160, 1);
+  EXPECT_NEAR(middle(), 160, 1);
+}
+
 TEST_F(PresenterTest, holds_a_frame_without_depth_at_its_own_eye) {
   mailbox_.frames.put(frame_of(1, plain(40, 20, 100)));
   HeadingNow pose;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <type_traits>
@@ -20,7 +21,7 @@ static_assert(sizeof(LightCheck) == std::size_t{22} * 4 && std::is_trivially_cop
               "it is written as it is, too");
 
 constexpr std::string_view kMagic = "CYCLIGHT";
-constexpr std::uint32_t kFileVersion = 2;
+constexpr std::uint32_t kFileVersion = 3;
 constexpr std::uint32_t kMaxSettings = 4096;
 
 class Writer {
@@ -120,6 +121,72 @@ bool read_surfaces(Reader& reader, std::uint32_t placements, LightStore* ret) {
   return true;
 }
 
+/// Reads the light of each group of lamps after that of everything else.
+bool read_groups(Reader& reader, std::uint32_t placements, LightStore* ret) {
+  std::uint32_t groups = 0;
+  if (!reader.read(&groups) || groups >= scene::kMaxLampGroups) return false;
+  ret->groups.resize(groups);
+  for (LightStore& group : ret->groups) {
+    if (!reader.read(&group.unit)) return false;
+  }
+  if (!read_surfaces(reader, placements, ret)) return false;
+  return std::ranges::all_of(ret->groups, [&](LightStore& group) { return read_surfaces(reader, placements, &group); });
+}
+
+/// Returns what is wrong with the values of a store whose lengths fit; empty if nothing is.
+std::string_view fault_of(const LightStore& store) {
+  if (!(store.unit > 0.0f && std::isfinite(store.unit))) return "the unit of its samples is not positive";
+  for (const SurfaceLight& surface : store.surfaces) {
+    for (const SideLight& side : surface.sides) {
+      if (!grids_fit(side)) return "a triangle's samples lie outside the file";
+    }
+  }
+  for (const LightStore& group : store.groups) {
+    if (const std::string_view fault = fault_of(group); !fault.empty()) return fault;
+  }
+  return "";
+}
+
+void add_surfaces(const LightStore& store, Writer* writer) {
+  for (const SurfaceLight& surface : store.surfaces) {
+    writer->add_value(std::uint32_t{surface.base_per_triangle ? 1u : 0u});
+    for (const SideLight& side : surface.sides) {
+      writer->add_size(side.base.size());
+      writer->add_size(side.directions.size());
+      writer->add_size(side.grids.size());
+      writer->add_size(side.samples.size());
+    }
+  }
+  for (const SurfaceLight& surface : store.surfaces) {
+    for (const SideLight& side : surface.sides) {
+      writer->add_array(side.base);
+      writer->add_array(side.directions);
+      writer->add_array(side.grids);
+      writer->add_array(side.samples);
+      CHECK(side.base_errors.size() == side.base.size() && side.sample_errors.size() == side.samples.size());
+      writer->add_array(side.base_errors);
+      writer->add_array(side.sample_errors);
+    }
+  }
+}
+
+/// Returns what does not fit placements in the surfaces of one group; empty if all fits.
+std::string misfit_of(const LightStore& store, const std::vector<PlacementSize>& placements) {
+  if (store.surfaces.size() != placements.size()) return "another number of meshes than the scene has";
+  for (std::size_t i = 0; i < placements.size(); ++i) {
+    const SurfaceLight& surface = store.surfaces[i];
+    const std::size_t base = surface.base_per_triangle ? placements[i].triangles : placements[i].vertices;
+    for (const SideLight& side : surface.sides) {
+      if ((!side.base.empty() && side.base.size() != base) ||
+          (!side.directions.empty() && side.directions.size() != side.base.size()) ||
+          (!side.grids.empty() && (side.base.empty() || side.grids.size() != placements[i].triangles))) {
+        return fmt::format("mesh {} has another number of samples than vertices", i);
+      }
+    }
+  }
+  return "";
+}
+
 }  // namespace
 
 std::vector<std::byte> light_file_bytes(const LightStore& store) {
@@ -134,26 +201,10 @@ std::vector<std::byte> light_file_bytes(const LightStore& store) {
   writer.add_size(settings.size());
   writer.add(std::as_bytes(std::span(settings)));
   writer.add_value(store.check);
-  for (const SurfaceLight& surface : store.surfaces) {
-    writer.add_value(std::uint32_t{surface.base_per_triangle ? 1u : 0u});
-    for (const SideLight& side : surface.sides) {
-      writer.add_size(side.base.size());
-      writer.add_size(side.directions.size());
-      writer.add_size(side.grids.size());
-      writer.add_size(side.samples.size());
-    }
-  }
-  for (const SurfaceLight& surface : store.surfaces) {
-    for (const SideLight& side : surface.sides) {
-      writer.add_array(side.base);
-      writer.add_array(side.directions);
-      writer.add_array(side.grids);
-      writer.add_array(side.samples);
-      CHECK(side.base_errors.size() == side.base.size() && side.sample_errors.size() == side.samples.size());
-      writer.add_array(side.base_errors);
-      writer.add_array(side.sample_errors);
-    }
-  }
+  writer.add_size(store.groups.size());
+  for (const LightStore& group : store.groups) writer.add_value(group.unit);
+  add_surfaces(store, &writer);
+  for (const LightStore& group : store.groups) add_surfaces(group, &writer);
   const std::uint64_t checksum = XXH3_64bits(writer.bytes().data(), writer.bytes().size());
   writer.add_value(checksum);
   return writer.take();
@@ -182,16 +233,10 @@ Result<LightStore> parse_light_file(std::span<const std::byte> bytes, std::strin
   std::uint32_t settings = 0;
   if (!reader.read(&placements) || !reader.read(&store.scene) || !reader.read(&store.unit) || !reader.read(&settings) ||
       settings > kMaxSettings || !reader.read_text(settings, &store.settings) || !reader.read(&store.check) ||
-      !read_surfaces(reader, placements, &store) || !reader.at_end()) {
+      !read_groups(reader, placements, &store) || !reader.at_end()) {
     return damaged(name, "the lengths in the file do not match its size");
   }
-  if (!(store.unit > 0.0f && std::isfinite(store.unit)))
-    return damaged(name, "the unit of its samples is not positive");
-  for (const SurfaceLight& surface : store.surfaces) {
-    for (const SideLight& side : surface.sides) {
-      if (!grids_fit(side)) return damaged(name, "a triangle's samples lie outside the file");
-    }
-  }
+  if (const std::string_view fault = fault_of(store); !fault.empty()) return damaged(name, fault);
   return store;
 }
 
@@ -209,17 +254,9 @@ Status check_fits(const LightStore& store, const SceneKey& scene, const std::vec
   if (!(store.scene == scene)) {
     return damaged(name, "this light belongs to another scene, or the scene has changed since it was computed");
   }
-  if (store.surfaces.size() != placements.size()) return damaged(name, "another number of meshes than the scene has");
-  for (std::size_t i = 0; i < placements.size(); ++i) {
-    const SurfaceLight& surface = store.surfaces[i];
-    const std::size_t base = surface.base_per_triangle ? placements[i].triangles : placements[i].vertices;
-    for (const SideLight& side : surface.sides) {
-      if ((!side.base.empty() && side.base.size() != base) ||
-          (!side.directions.empty() && side.directions.size() != side.base.size()) ||
-          (!side.grids.empty() && (side.base.empty() || side.grids.size() != placements[i].triangles))) {
-        return damaged(name, fmt::format("mesh {} has another number of samples than vertices", i));
-      }
-    }
+  if (std::string misfit = misfit_of(store, placements); !misfit.empty()) return damaged(name, misfit);
+  for (const LightStore& group : store.groups) {
+    if (std::string misfit = misfit_of(group, placements); !misfit.empty()) return damaged(name, misfit);
   }
   return Done{};
 }

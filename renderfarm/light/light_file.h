@@ -3,6 +3,8 @@
 ///
 ///   "CYCLIGHT"  version u32  placements u32  scene key 2 x u64  unit f32  length of the settings u32, settings
 ///   check: the fields of LightCheck in their order, 4 bytes each
+///   number of groups of lamps u32, for each its unit f32
+///   for the light without groups, then for that of each group:
 ///   for each placement:  base_per_triangle u32, then for each side the lengths of base, directions, grids and samples,
 ///     4 x u32
 ///   for each placement and side:  base, directions, grids, samples, 4 bytes each;  errors of base and samples, 1 byte

@@ -39,16 +39,14 @@ std::optional<Eigen::Vector3f> LightStore::in_grid(const SideLight& light, std::
                   {part_u + part_v - 1.0f, 1.0f - part_u, 1.0f - part_v});
 }
 
-Eigen::Vector3f LightStore::direction_at(std::size_t placement, int side, std::uint32_t primitive,
-                                         const std::array<std::uint32_t, 3>& vertices,
-                                         const Eigen::Vector3f& weights) const {
-  const SurfaceLight& surface = surfaces[placement];
-  const SideLight& light = surface.sides[static_cast<std::size_t>(side)];
+Eigen::Vector3f LightStore::direction_at(const LightPlace& place) const {
+  const SurfaceLight& surface = surfaces[place.placement];
+  const SideLight& light = surface.sides[static_cast<std::size_t>(place.side)];
   if (light.directions.empty()) return Eigen::Vector3f::Zero();
-  if (surface.base_per_triangle) return from_direction_code(light.directions[primitive]);
+  if (surface.base_per_triangle) return from_direction_code(light.directions[place.primitive]);
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   for (std::size_t i = 0; i < 3; ++i) {
-    sum += weights[static_cast<Eigen::Index>(i)] * from_direction_code(light.directions[vertices[i]]);
+    sum += place.weights[static_cast<Eigen::Index>(i)] * from_direction_code(light.directions[place.vertices[i]]);
   }
   return sum;
 }
@@ -58,15 +56,20 @@ std::size_t LightStore::sample_count() const {
   for (const SurfaceLight& surface : surfaces) {
     for (const SideLight& side : surface.sides) count += side.base.size() + side.samples.size();
   }
+  for (const LightStore& group : groups) count += group.sample_count();
   return count;
 }
 
 std::size_t LightStore::bytes() const {
-  std::size_t codes = 0;
+  std::size_t bytes = surfaces.size() * sizeof(SurfaceLight);
   for (const SurfaceLight& surface : surfaces) {
-    for (const SideLight& side : surface.sides) codes += side.grids.size() + side.directions.size();
+    for (const SideLight& side : surface.sides) {
+      bytes += (side.base.size() + side.samples.size()) * kSampleBytes;
+      bytes += (side.grids.size() + side.directions.size()) * sizeof(std::uint32_t);
+    }
   }
-  return sample_count() * kSampleBytes + codes * sizeof(std::uint32_t) + surfaces.size() * sizeof(SurfaceLight);
+  for (const LightStore& group : groups) bytes += group.bytes();
+  return bytes;
 }
 
 Percentiles LightStore::relative_errors() const {
@@ -76,19 +79,23 @@ Percentiles LightStore::relative_errors() const {
   };
   std::vector<Sample> all;
   double sum = 0.0;
-  const auto add = [&](const std::vector<std::uint32_t>& codes, const std::vector<std::uint8_t>& errors) {
+  const auto add = [&](const std::vector<std::uint32_t>& codes, const std::vector<std::uint8_t>& errors, float scale) {
     for (std::size_t i = 0; i < errors.size(); ++i) {
       if (codes[i] == kNoSample) continue;
-      all.push_back({from_rgb9e5(codes[i]).dot(kLuminanceWeights), from_error_code(errors[i])});
+      all.push_back({scale * from_rgb9e5(codes[i]).dot(kLuminanceWeights), scale * from_error_code(errors[i])});
       sum += static_cast<double>(all.back().luminance);
     }
   };
-  for (const SurfaceLight& surface : surfaces) {
-    for (const SideLight& side : surface.sides) {
-      add(side.base, side.base_errors);
-      add(side.samples, side.sample_errors);
+  const auto add_all = [&](const LightStore& store) {
+    for (const SurfaceLight& surface : store.surfaces) {
+      for (const SideLight& side : surface.sides) {
+        add(side.base, side.base_errors, store.unit);
+        add(side.samples, side.sample_errors, store.unit);
+      }
     }
-  }
+  };
+  add_all(*this);
+  for (const LightStore& group : groups) add_all(group);
   const float dark = all.empty() ? 0.0f : kDarkShare * static_cast<float>(sum / static_cast<double>(all.size()));
   std::vector<float> errors;
   for (const Sample& sample : all) {

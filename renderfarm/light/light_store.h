@@ -29,6 +29,7 @@
 #include "renderfarm/light/error_code.h"
 #include "renderfarm/light/light_check.h"
 #include "renderfarm/light/rgb9e5.h"
+#include "renderfarm/scene/lamp_groups.h"
 
 namespace cyclorama::light {
 
@@ -84,6 +85,15 @@ struct SceneKey {
   friend bool operator==(const SceneKey&, const SceneKey&) = default;
 };
 
+/// A point of a surface.
+struct LightPlace {
+  std::size_t placement = 0;
+  int side = 0;  ///< 0: front, 1: back.
+  std::uint32_t primitive = 0;
+  std::array<std::uint32_t, 3> vertices{};            ///< Indices of the triangle's vertices.
+  Eigen::Vector3f weights = Eigen::Vector3f::Zero();  ///< Barycentric.
+};
+
 /// The light of a whole scene. A value, immutable once in use; reading is thread-safe.
 struct LightStore {
   SceneKey scene;
@@ -92,27 +102,48 @@ struct LightStore {
   LightCheck check;      ///< Errors from held-out eyes.
   std::vector<SurfaceLight>
       surfaces;  ///< One per placement, in the order of the scene's instances that have triangles.
+  /// The light of each named group of lamps, in the scene's order; `surfaces` then have that of everything else. Of a
+  /// group's store, only `unit` and `surfaces` are set.
+  std::vector<LightStore> groups;
 
-  /// Returns the light at a point of triangle `primitive`; nothing if paths must be traced there. `side` is 0 for the
-  /// front and 1 for the back; `weights` are barycentric; `vertices` are the triangle's vertex indices.
-  [[nodiscard, gnu::always_inline]] std::optional<Eigen::Vector3f> at(std::size_t placement, int side,
-                                                                      std::uint32_t primitive,
-                                                                      const std::array<std::uint32_t, 3>& vertices,
-                                                                      const Eigen::Vector3f& weights) const {
-    const SurfaceLight& surface = surfaces[placement];
-    const SideLight& light = surface.sides[static_cast<std::size_t>(side)];
+  /// Returns the light at a point, without that of `groups`; nothing if paths must be traced there.
+  [[nodiscard, gnu::always_inline]] std::optional<Eigen::Vector3f> at(const LightPlace& place) const {
+    const SurfaceLight& surface = surfaces[place.placement];
+    const SideLight& light = surface.sides[static_cast<std::size_t>(place.side)];
     if (light.base.empty()) return std::nullopt;
-    const std::uint32_t grid = light.grids.empty() ? TriangleGrid::kBase : light.grids[primitive];
-    if (grid != TriangleGrid::kBase) return in_grid(light, grid, weights);
-    if (surface.base_per_triangle) return mixed<1>({light.base[primitive]}, {1.0f});
-    return mixed<3>({light.base[vertices[0]], light.base[vertices[1]], light.base[vertices[2]]},
-                    {weights[0], weights[1], weights[2]});
+    const std::uint32_t grid = light.grids.empty() ? TriangleGrid::kBase : light.grids[place.primitive];
+    if (grid != TriangleGrid::kBase) return in_grid(light, grid, place.weights);
+    if (surface.base_per_triangle) return mixed<1>({light.base[place.primitive]}, {1.0f});
+    return mixed<3>({light.base[place.vertices[0]], light.base[place.vertices[1]], light.base[place.vertices[2]]},
+                    {place.weights[0], place.weights[1], place.weights[2]});
   }
 
-  /// Returns the mean direction of the light at a point (see at()); zero if it is unknown.
-  [[nodiscard]] Eigen::Vector3f direction_at(std::size_t placement, int side, std::uint32_t primitive,
-                                             const std::array<std::uint32_t, 3>& vertices,
-                                             const Eigen::Vector3f& weights) const;
+  /// Returns the light at a point with the groups at their levels; nothing if paths must be traced there.
+  /// `share(store)` is a factor on the light of this store and of each group.
+  template <typename Share>
+  [[nodiscard, gnu::always_inline]] std::optional<Eigen::Vector3f> lit(const LightPlace& place,
+                                                                       const scene::LampLevels& levels,
+                                                                       Share share) const {
+    std::optional<Eigen::Vector3f> sum = at(place);
+    if (!sum) return std::nullopt;
+    *sum *= share(*this);
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+      const float level = levels[i + 1];
+      if (level == 0.0f) continue;
+      const std::optional<Eigen::Vector3f> light = groups[i].at(place);
+      if (!light) return std::nullopt;
+      *sum += level * share(groups[i]) * *light;
+    }
+    return sum;
+  }
+  [[nodiscard, gnu::always_inline]] std::optional<Eigen::Vector3f> lit(const LightPlace& place,
+                                                                       const scene::LampLevels& levels) const {
+    if (groups.empty()) return at(place);
+    return lit(place, levels, [](const LightStore&) { return 1.0f; });
+  }
+
+  /// Returns the mean direction of the light at a point, without that of `groups`; zero if it is unknown.
+  [[nodiscard]] Eigen::Vector3f direction_at(const LightPlace& place) const;
 
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] std::size_t sample_count() const;

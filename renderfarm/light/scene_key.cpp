@@ -87,6 +87,7 @@ void add(const scene::Light& light, Hash* hash) {
     hash->add(value);
   }
   hash->add(light.visible);
+  hash->add(light.group);
 }
 
 }  // namespace

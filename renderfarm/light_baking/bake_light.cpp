@@ -61,18 +61,21 @@ BakeSettings with_dim_light(BakeSettings settings, const scene::Scene& scene) {
 
 class Baker {
  public:
-  /// Borrows all but the settings.
-  Baker(render::Renderer& renderer, const BakeSettings& settings, const std::function<void(double)>& progress,
-        const std::function<bool()>& cancelled, StageChain& stages)
+  /// Computes the light of one group of lamps. Borrows all but the settings.
+  Baker(render::Renderer& renderer, const BakeSettings& settings, std::size_t group,
+        const std::function<void(double)>& progress, const std::function<bool()>& cancelled, StageChain& stages)
       : renderer_(renderer),
         scene_(renderer.traced()),
         settings_(with_dim_light(settings, renderer.scene())),
+        group_(group),
+        ambient_(group == 0 ? Vec3(scene_.ambient) : Vec3(Vec3::Zero())),
         progress_(progress),
         cancelled_(cancelled),
         stages_(stages),
         bounces_(renderer.scene().bounces),
         tracers_([this] {
-          return std::make_unique<LightTracer>(scene_, render::shade_stage_for(renderer_.surface_level()), cancelled_);
+          return std::make_unique<LightTracer>(scene_, render::shade_stage_for(renderer_.surface_level()), cancelled_,
+                                               scene::only_group(group_));
         }) {}
 
   Result<BakedLight> run() {
@@ -153,6 +156,7 @@ class Baker {
     for (const double value : {pixels_per_degree, pixels_per_sample, light_error, grid_light_error, surface_error,
                                probe_error, static_cast<double>(dim_light), bytes_per_triangle, max_cpu_seconds})
       out.add(value);
+    out.add(static_cast<std::uint64_t>(group_));
     out.add(min_rays);
     out.add(min_bytes);
     out.add(resolving_bytes);
@@ -411,14 +415,14 @@ class Baker {
 
   /// Encodes light. `seed` randomizes the rounding, so that errors of neighbouring samples cancel.
   [[nodiscard]] std::uint32_t encoded(const Vec3& light, std::uint32_t seed) const {
-    return light::to_rgb9e5((light + scene_.ambient) / unit_, render::to_unit_float(render::mix_bits(seed)));
+    return light::to_rgb9e5((light + ambient_) / unit_, render::to_unit_float(render::mix_bits(seed)));
   }
 
   [[nodiscard]] std::uint8_t coded_error(float error) const { return light::to_error_code(error / unit_); }
 
   /// Chooses the unit from the direct light. Called once.
   void choose_unit() {
-    float brightest = scene_.ambient.maxCoeff();
+    float brightest = ambient_.maxCoeff();
     for (const BaseSide& side : sides_) {
       for (const PointLight& light : side.light) {
         brightest = std::max(brightest, (light.lamps.light + light.surfaces.light).maxCoeff());
@@ -470,7 +474,7 @@ class Baker {
     out->directions.reserve(side.light.size());
     for (const PointLight& light : side.light) {
       // Ambient light comes evenly from all directions, so its mean direction is zero.
-      const float all = render::luminance(light.lamps.light + light.surfaces.light + scene_.ambient);
+      const float all = render::luminance(light.lamps.light + light.surfaces.light + ambient_);
       const Vec3 sum = light.lamps.direction + light.surfaces.direction;
       out->directions.push_back(all > 0.0f ? light::to_direction_code(sum / all) : 0);
     }
@@ -498,6 +502,8 @@ class Baker {
   render::Renderer& renderer_;
   const render::TraceScene& scene_;
   const BakeSettings settings_;
+  const std::size_t group_;
+  const Vec3 ambient_;
   const std::function<void(double)>& progress_;
   const std::function<bool()>& cancelled_;
   StageChain& stages_;
@@ -512,6 +518,20 @@ class Baker {
   std::atomic<double> cpu_seconds_ = 0.0;
   double stage_began_ = 0.0;
 };
+
+/// Adds the light of a named group of lamps, and its cost.
+void add_group(const BakedLight& group, BakedLight* baked) {
+  const auto store = std::make_shared<light::LightStore>(*baked->store);
+  light::LightStore& added = store->groups.emplace_back();
+  added.unit = group.store->unit;
+  added.surfaces = group.store->surfaces;
+  baked->store = store;
+  baked->cpu_seconds += group.cpu_seconds;
+  baked->grids += group.grids;
+  baked->separate_samples += group.separate_samples;
+  baked->max_run_seconds = std::max(baked->max_run_seconds, group.max_run_seconds);
+  for (std::size_t i = 0; i < baked->stages.size(); ++i) baked->stages[i].cpu_seconds += group.stages[i].cpu_seconds;
+}
 
 /// Adds the measured errors of the light to the store.
 Status add_check(render::Renderer& renderer, int eyes, const std::function<void(double)>& progress,
@@ -531,18 +551,29 @@ Status add_check(render::Renderer& renderer, int eyes, const std::function<void(
 Result<BakedLight> bake_light(render::Renderer& renderer, const BakeSettings& settings, int threads,
                               const std::function<void(double)>& progress, const std::function<bool()>& cancelled,
                               LightPieces* pieces) {
-  TRY(renderer.set_light(nullptr, ""));
   const double baking_share = settings.check_eyes > 0 ? kBakingShare : 1.0;
-  const auto share_of_progress = [&](double fraction) {
-    if (progress) progress(baking_share * fraction);
-  };
   ComputedPieces computed;
   // With a limit of time the results depend on this host, so they are not mixed with others.
   const bool may_divide = pieces != nullptr && settings.max_cpu_seconds == 0.0;
   StageChain stages(may_divide ? *pieces : computed);
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  Result<BakedLight> baked =
-      arena.execute([&] { return Baker(renderer, settings, share_of_progress, cancelled, stages).run(); });
+  const std::size_t groups = 1 + renderer.scene().info.lamp_groups.size();
+  Result<BakedLight> baked = Error(ErrorCode::kUnavailable, "there is nothing to compute");
+  for (std::size_t group = 0; group < groups; ++group) {
+    TRY(renderer.set_light(nullptr, ""));
+    const auto share_of_progress = [&](double fraction) {
+      if (progress) progress(baking_share * (static_cast<double>(group) + fraction) / static_cast<double>(groups));
+    };
+    Result<BakedLight> of_group =
+        arena.execute([&] { return Baker(renderer, settings, group, share_of_progress, cancelled, stages).run(); });
+    if (!of_group || group == 0) {
+      baked = std::move(of_group);
+    } else {
+      add_group(*of_group, &*baked);
+    }
+    if (!baked) break;
+  }
+  if (baked && groups > 1) TRY(renderer.set_light(baked->store, "the light just computed"));
   if (baked && settings.check_eyes > 0) {
     const Status checked = add_check(
         renderer, settings.check_eyes,

@@ -44,7 +44,8 @@ struct BakedLight {
 /// Computes the light with `threads` threads (0: all). The result depends on the scene, the settings and the program
 /// alone, not on threads. While it works, the renderer's light is replaced; afterwards the renderer has the result, or
 /// none. `progress` may be null; `cancelled`, too. `pieces` decides which pieces are computed here, if not null;
-/// however they are divided, the result has the same bits. The light of the eye lamp is not part of it. Errors:
+/// however they are divided, the result has the same bits. Each named group of lamps has light of its own, which costs
+/// as much again as all other light. The light of the eye lamp is not part of it. Errors:
 /// kUnavailable if it was cancelled; those of `pieces`.
 Result<BakedLight> bake_light(render::Renderer& renderer, const BakeSettings& settings, int threads,
                               const std::function<void(double)>& progress, const std::function<bool()>& cancelled,

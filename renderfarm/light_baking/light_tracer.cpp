@@ -84,7 +84,8 @@ struct Estimate {
 
 }  // namespace
 
-LightTracer::LightTracer(const render::TraceScene& scene, render::ShadeStage shade, std::function<bool()> must_end)
+LightTracer::LightTracer(const render::TraceScene& scene, render::ShadeStage shade, std::function<bool()> must_end,
+                         const scene::LampLevels& lamps)
     : scene_(scene),
       shade_(shade),
       must_end_(std::move(must_end)),
@@ -96,6 +97,7 @@ LightTracer::LightTracer(const render::TraceScene& scene, render::ShadeStage sha
       film_(std::make_unique<render::CellFilm>()) {
   view_.quality.stored_light = true;
   view_.max_stored_scatterings = 1;
+  view_.lamps = lamps;
   film_->clear();
 }
 
@@ -137,8 +139,10 @@ void LightTracer::add_light_ray(std::size_t path) {
   const float density = cosine / render::kPi;
   float share = 1.0f;
   if (aim.pdf > 0.0f) share = render::share_of(aim.pdf, density);
-  batch_->shadowed[static_cast<std::size_t>(batch_->shadow_rays.count())] = {aim.radiance_over_pdf * (density * share),
-                                                                             static_cast<std::uint16_t>(path), true};
+  const Vec3 light = aim.radiance_over_pdf * (density * share * view_.lamps[aim.group]);
+  if (light.isZero(0.0f)) return;
+  batch_->shadowed[static_cast<std::size_t>(batch_->shadow_rays.count())] = {light, static_cast<std::uint16_t>(path),
+                                                                             true};
   batch_->shadow_rays.add(point.position, aim.direction, aim.distance,
                           render::alpha_random_number(start.index, start.seed, 1));
 }

@@ -46,7 +46,9 @@ struct GatherSettings {
 class LightTracer {
  public:
   /// `must_end` is called before each batch of rays; once it returns true, results are incomplete. It may be null.
-  LightTracer(const render::TraceScene& scene, render::ShadeStage shade, std::function<bool()> must_end = nullptr);
+  /// `lamps` are the levels of the lamps' groups.
+  LightTracer(const render::TraceScene& scene, render::ShadeStage shade, std::function<bool()> must_end = nullptr,
+              const scene::LampLevels& lamps = scene::kAuthoredLamps);
 
   /// To be called by a thread when it begins a piece of work.
   void begin_run();

@@ -13,6 +13,7 @@
 #include "renderfarm/render/quality.h"
 #include "renderfarm/render/surface_level.h"
 #include "renderfarm/render/trace_scene.h"
+#include "renderfarm/scene/lamp_groups.h"
 
 namespace cyclorama::render {
 
@@ -32,6 +33,7 @@ struct TraceView {
   RenderQuality quality;
   float exposure = 1.0f;
   scene::ToneCurve tone = scene::ToneCurve::kShoulder;
+  scene::LampLevels lamps = scene::kAuthoredLamps;
   bool features = false;
   bool depth = false;
   /// Paths of more scatterings do not read stored light. It holds all bounces, so a path that reads it late has more

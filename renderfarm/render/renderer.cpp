@@ -105,6 +105,9 @@ Status check_view(const PanoramaView& view, const PixelRect& rect) {
   if (!view.eye.allFinite()) return refuse("the eye's position is not finite");
   if (!std::isfinite(view.heading_rad)) return refuse("the heading is not finite");
   TRY(validate(view.quality));
+  const auto is_level = [](float level) { return level >= 0.0f && level <= scene::kMaxLampLevel; };
+  if (!std::ranges::all_of(view.lamps, is_level) || view.lamps[0] != 1.0f)
+    return refuse(fmt::format("the levels of lamps are not within 0 and {}", scene::kMaxLampLevel));
   const bool inside = rect.x >= 0 && rect.y >= 0 && rect.width >= 0 && rect.height >= 0 &&
                       rect.width <= picture.width_px() - rect.x && rect.height <= picture.height_px() - rect.y;
   if (inside) return Done{};
@@ -150,6 +153,7 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
   traced_view.quality = view.quality;
   traced_view.exposure = static_cast<float>(scene.exposure);
   traced_view.tone = scene.tone;
+  traced_view.lamps = view.lamps;
   traced_view.features = output.features;
   traced_view.depth = output.depth;
 

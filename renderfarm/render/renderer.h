@@ -17,6 +17,7 @@
 #include "common/image/pixel_rect.h"
 #include "renderfarm/render/film.h"
 #include "renderfarm/render/quality.h"
+#include "renderfarm/scene/lamp_groups.h"
 
 namespace cyclorama::light {
 struct LightStore;
@@ -41,6 +42,7 @@ struct PanoramaView {
   /// Determines every random number, together with the pixel and the sample's number; tiling has no effect.
   std::uint64_t seed = 0;
   std::optional<Projection> projection = std::nullopt;  ///< The picture's shape; null means `panorama` seen by one eye.
+  scene::LampLevels lamps = scene::kAuthoredLamps;      ///< Each in [0, kMaxLampLevel]; that of group 0 is 1.
   bool depth = false;  ///< Also records the inverse depth of each cell of 4x4 pixels, without effect on the picture.
 
   [[nodiscard]] Projection picture() const { return projection ? *projection : Projection{panorama, {}}; }

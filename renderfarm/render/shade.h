@@ -124,7 +124,7 @@ class Shade {
       // A body that has no surface in this direction counts as infinitely thick: every channel that it absorbs is
       // black.
       const Vec3 left = (ray.absorption.array() > 0.0f).select(Vec3::Zero(), light);
-      found(ray, left * share_of(ray.pdf, aims_from_start_of(ray) * aimed));
+      found(ray, left * (view_.lamps[0] * share_of(ray.pdf, aims_from_start_of(ray) * aimed)));
     }
     if (view_.features && ray.surfaces == 0) film_.albedo[pixel_of(ray)] += Vec3::Ones();
   }
@@ -160,7 +160,8 @@ class Shade {
 
   void at_lamp(int i, const PathRay& ray, LightIndex light) {
     const Vec3 radiance = scene_.lights.radiance(light, rays_.origin(i), rays_.direction(i));
-    if (!radiance.isZero(0.0f)) found(ray, radiance * share_of_met(i, ray, light));
+    const float level = view_.lamps[scene_.lights.group_of(light)];
+    if (!radiance.isZero(0.0f)) found(ray, radiance * (level * share_of_met(i, ray, light)));
     if (!view_.features || ray.surfaces > 0) return;
     film_.albedo[pixel_of(ray)] += Vec3::Ones();
     film_.normal[pixel_of(ray)] -= rays_.direction(i);
@@ -175,7 +176,8 @@ class Shade {
     const Footprint footprint{ray.cone_width + ray.cone_spread * rays_.distance(i), std::abs(point.facing.dot(wo))};
     const Shading shading = shading_at<kLevel>(triangle, point, wo, footprint);
     if (!shading.emission.isZero(0.0f)) {
-      found(ray, shading.emission * share_of_met(i, ray, scene_.lights.of_triangle(top_of(hit), hit.primID)));
+      const LightIndex light = scene_.lights.of_triangle(top_of(hit), hit.primID);
+      found(ray, shading.emission * (view_.lamps[0] * share_of_met(i, ray, light)));
     }
     if (ray.only_light) return cross_pane(i, ray, point, shading, wo);
 
@@ -229,14 +231,12 @@ class Shade {
     if (ray.scatterings > view_.max_stored_scatterings) return std::nullopt;
     const SurfaceMesh& mesh = *triangle.mesh;
     if (!reads_stored_light(*mesh.material)) return std::nullopt;
-    const int side = point.front ? 0 : 1;
-    const std::array<std::uint32_t, 3>& vertices = mesh.triangles[hit.primID];
-    std::optional<Vec3> stored = scene_.light->at(top_of(hit), side, hit.primID, vertices, triangle.weights);
-    if (stored && mesh.material->normal != nullptr) {
-      const Vec3 mean = scene_.light->direction_at(top_of(hit), side, hit.primID, vertices, triangle.weights);
-      *stored *= light::bent_share(mean, point.normal, normal);
-    }
-    return stored;
+    const light::LightPlace place{top_of(hit), point.front ? 0 : 1, hit.primID, mesh.triangles[hit.primID],
+                                  triangle.weights};
+    if (mesh.material->normal == nullptr) return scene_.light->lit(place, view_.lamps);
+    return scene_.light->lit(place, view_.lamps, [&](const light::LightStore& group) {
+      return light::bent_share(group.direction_at(place), point.normal, normal);
+    });
   }
 
   /// Adds the stored light that wide lobes reflect. The path ends here unless there is also a narrower lobe, which is
@@ -268,7 +268,7 @@ class Shade {
 
   void shine_ambient(const PathRay& ray, const Scatter& scattering) {
     if (scene_.ambient.isZero(0.0f)) return;
-    reflected(ray, ray.throughput.cwiseProduct(scene_.ambient).cwiseProduct(scattering.albedo()));
+    reflected(ray, view_.lamps[0] * ray.throughput.cwiseProduct(scene_.ambient).cwiseProduct(scattering.albedo()));
   }
 
   /// Adds the light of the lamp at the eye. Surfaces that camera rays hit need no shadow ray.
@@ -326,7 +326,7 @@ class Shade {
     // The same test as in continue_path(): light must not leak through the triangle where its normal and the shading
     // normal disagree.
     if ((point.facing.dot(aim.direction) > 0.0f) != (normal.dot(aim.direction) > 0.0f)) return;
-    Vec3 light = scattering.evaluate(aim.direction).cwiseProduct(aim.radiance_over_pdf);
+    Vec3 light = scattering.evaluate(aim.direction).cwiseProduct(aim.radiance_over_pdf) * view_.lamps[aim.group];
     if (light.isZero(0.0f)) return;
     if (continues && aim.pdf > 0.0f) light *= share_of(random_numbers.parts * aim.pdf, scattering.pdf(aim.direction));
     shadow(random_numbers.veil, ray, point, aim.direction, aim.distance,

@@ -85,7 +85,8 @@ class StoredLightStage {
     triangle.corners = mesh.triangles[hit.primID];
     triangle.weights = barycentric_weights(hit);
     const int side = sees_front(*placement, *triangle.record, rays_.direction(i)) ? 0 : 1;
-    std::optional<Vec3> stored = light_.at(top_of(hit), side, hit.primID, triangle.corners, triangle.weights);
+    std::optional<Vec3> stored =
+        light_.lit({top_of(hit), side, hit.primID, triangle.corners, triangle.weights}, view_.lamps);
     if (!stored) return false;
     if (eye_lamp) *stored += eye_lamp_over_pi(i, triangle);
     Path& path = batch_.path[ray.path];

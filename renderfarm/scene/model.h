@@ -134,6 +134,7 @@ struct Light {
   /// True if rays hit the light: the eye and mirrors see it, and it casts shadows. Never true for directional lights or
   /// radius 0.
   bool visible = false;
+  std::size_t group = 0;  ///< Below kMaxLampGroups; see lamp_groups.h.
 };
 
 /// Returns true for a rectangle or a disk.

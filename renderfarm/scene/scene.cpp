@@ -145,6 +145,7 @@ Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const E
   scene.info.walkable = package.walkable.empty() ? found.walkable : std::move(package.walkable);
   scene.info.walkable_holes = std::move(package.walkable_holes);
   scene.info.stops = std::move(package.stops);
+  scene.info.lamp_groups = std::move(package.lamp_groups);
   scene.bounces = package.bounces;
   scene.sky = package.sky.value_or(Sky{});
   scene.ambient = package.ambient.value_or(Eigen::Vector3f::Zero());

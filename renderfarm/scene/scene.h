@@ -46,6 +46,7 @@ struct SceneInfo {
   std::vector<std::vector<Eigen::Vector2d>> walkable_holes;
   double walking_scale = 1.0;
   std::vector<SceneTourStop> stops;
+  std::vector<std::string> lamp_groups;  ///< Names of the groups 1 and up (lamp_groups.h).
 };
 
 /// A value, which is large and should be moved. Model's invariants hold; instances and lights are in the Scene frame,

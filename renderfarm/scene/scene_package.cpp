@@ -11,6 +11,7 @@
 #include "common/base/text.h"
 #include "common/config/config.h"
 #include "renderfarm/scene/area.h"
+#include "renderfarm/scene/lamp_groups.h"
 
 namespace cyclorama::scene {
 namespace {
@@ -172,6 +173,28 @@ Light read_lamp(ConfigTable table) {
   return light;
 }
 
+/// Returns the group that a lamp names, which is added to `names` if it is new; 0 if it names none.
+std::size_t read_group(ConfigTable* lamp, std::vector<std::string>* names) {
+  if (!lamp->has("group")) return 0;
+  const std::string name = lamp->text("group");
+  if (name.empty() || name.size() > kMaxLampGroupNameBytes) {
+    lamp->refuse("group", fmt::format("must have 1 to {} bytes", kMaxLampGroupNameBytes));
+    return 0;
+  }
+  const auto known = std::ranges::find(*names, name);
+  if (known == names->end()) {
+    if (names->size() + 1 == kMaxLampGroups) {
+      lamp->refuse("group",
+                   fmt::format("is the {}th group of lamps; there may be {}, since the light of each is stored",
+                               kMaxLampGroups, kMaxLampGroups - 1));
+      return 0;
+    }
+    names->push_back(name);
+    return names->size();
+  }
+  return static_cast<std::size_t>(known - names->begin()) + 1;
+}
+
 std::optional<Sky> read_sky(ConfigTable* root) {
   if (!root->has("sky")) return std::nullopt;
   ConfigTable table = root->table("sky");
@@ -264,7 +287,10 @@ Result<ScenePackage> parse_scene_package(std::string_view text, std::string name
   package.ambient = colour_if_given(&light, "ambient");
   package.eye_lamp = colour_if_given(&light, "eye_lamp_cd");
 
-  for (ConfigTable& lamp : root.tables("lamp")) package.lamps.push_back(read_lamp(lamp));
+  for (ConfigTable& lamp : root.tables("lamp")) {
+    package.lamps.push_back(read_lamp(lamp));
+    package.lamps.back().group = read_group(&lamp, &package.lamp_groups);
+  }
   for (ConfigTable& geometry : root.tables("geometry")) {
     package.geometry.push_back(read_geometry(geometry, folder, unit_m, z_up));
   }

@@ -48,6 +48,7 @@ struct ScenePackage {
   std::optional<Eigen::Vector3f> ambient;
   std::optional<Eigen::Vector3f> eye_lamp;
   std::vector<Light> lamps;
+  std::vector<std::string> lamp_groups;   ///< Names of the groups 1 and up (lamp_groups.h).
   std::vector<PackageGeometry> geometry;  ///< At least one.
   std::vector<SceneTourStop> stops;
 };

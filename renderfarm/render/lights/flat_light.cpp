@@ -127,6 +127,7 @@ FlatLight make_flat_light(const scene::Light& light, const Eigen::Vector3d& orig
   FlatLight flat;
   flat.is_disk = light.kind == scene::LightKind::kDisk;
   flat.visible = light.visible;
+  flat.group = light.group;
   flat.centre = (light.position - origin).cast<float>();
   flat.normal = normalized_or(light.direction.cast<float>(), Vec3(0.0f, -1.0f, 0.0f));
   const Vec3 across = light.across.cast<float>();

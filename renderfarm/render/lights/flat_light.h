@@ -17,6 +17,7 @@ struct FlatLight {
   Vec3 normal = -Vec3::UnitY();  ///< On the emitting side.
   Vec2 half = Vec2::Zero();      ///< Half the width and half the height; for a disk, both are the radius.
   Vec3 radiance = Vec3::Zero();
+  std::size_t group = 0;  ///< See scene/lamp_groups.h.
 
   [[nodiscard]] float area() const { return half.prod() * (is_disk ? kPi : 4.0f); }
 };

@@ -74,6 +74,7 @@ Lamp make_lamp(const scene::Light& light, const Eigen::Vector3d& origin) {
   lamp.radius = static_cast<float>(std::max(0.0, light.radius_m));
   if (!std::isnormal(lamp.radius * lamp.radius)) lamp.radius = 0.0f;
   lamp.visible = light.visible && lamp.radius > 0.0f;
+  lamp.group = light.group;
   if (light.range_m > 0.0) lamp.inverse_range = static_cast<float>(1.0 / light.range_m);
   const double cos_outer = std::cos(light.outer_cone_rad);
   const double cos_inner = std::cos(std::min(light.inner_cone_rad, light.outer_cone_rad));

@@ -21,6 +21,7 @@ struct Lamp {
   float one_minus_cos_disc = 0.0f;      ///< Directional: 1 - cosine of the disc's angular radius.
   float sin_disc = 0.0f;                ///< Directional: sine of the disc's angular radius.
   bool visible = false;                 ///< Rays can hit the lamp.
+  std::size_t group = 0;                ///< See scene/lamp_groups.h.
 };
 
 /// Lower bound of distances, in metres, that keeps the light of point lamps finite.

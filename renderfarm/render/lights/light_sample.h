@@ -18,6 +18,7 @@ struct LightSample {
   Vec3 radiance_over_pdf = Vec3::Zero();  ///< An unbiased estimate once BSDF and cosine multiply it.
   /// Pdf per steradian; 0 if BSDF sampling cannot hit the light, so that its multiple-importance weight is 1.
   float pdf = 0.0f;
+  std::size_t group = 0;  ///< Group of the lamp (renderfarm/scene/lamp_groups.h), whose level must multiply the light.
 };
 
 /// Returns LightSample::distance for a surface at `distance` from p that the ray hits at an angle whose cosine is

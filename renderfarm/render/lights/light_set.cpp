@@ -106,6 +106,7 @@ LightSet::Shares LightSet::shares(float finite, const Vec3& n) const {
 }
 
 bool LightSet::sample(const Vec3& p, const Vec3& n, float choice, const Vec2& u, LightSample* ret_sample) const {
+  ret_sample->group = 0;
   Choice selection = choice_of(choice, u);
   LightList::Estimates estimates;
   if (tree_.empty()) list_.estimate(p, n, &estimates);
@@ -135,11 +136,14 @@ bool LightSet::sample_finite(LightIndex light, const Vec3& p, const Vec2& u, Lig
   auto index = static_cast<std::size_t>(light);
   if (index < lamps_.size()) {
     *ret_sample = sample_lamp(lamps_[index], p, u);
+    ret_sample->group = lamps_[index].group;
     return true;
   }
   index -= lamps_.size();
-  return index < flats_.size() ? sample_flat(flats_[index], p, u, ret_sample)
-                               : triangles_.sample(index - flats_.size(), p, u, ret_sample);
+  if (index >= flats_.size()) return triangles_.sample(index - flats_.size(), p, u, ret_sample);
+  if (!sample_flat(flats_[index], p, u, ret_sample)) return false;
+  ret_sample->group = flats_[index].group;
+  return true;
 }
 
 bool LightSet::sample_sun(const Vec3& n, const Choice& choice, const Vec2& u, LightSample* ret_sample) const {
@@ -157,6 +161,7 @@ bool LightSet::sample_sun(const Vec3& n, const Choice& choice, const Vec2& u, Li
   }
   if (chosen == nullptr) return false;
   *ret_sample = sample_lamp(*chosen, Vec3::Zero(), u);
+  ret_sample->group = chosen->group;
   divide(estimate / sum, ret_sample);
   return true;
 }
@@ -212,6 +217,14 @@ Vec3 LightSet::radiance(LightIndex light, const Vec3& p, const Vec3& direction) 
   index -= lamps_.size();
   if (index >= flats_.size() || !(flats_[index].normal.dot(direction) < 0.0f)) return Vec3::Zero();
   return flats_[index].radiance;
+}
+
+std::size_t LightSet::group_of(LightIndex light) const {
+  auto index = static_cast<std::size_t>(light);
+  if (light < 0) return 0;
+  if (index < lamps_.size()) return lamps_[index].group;
+  index -= lamps_.size();
+  return index < flats_.size() ? flats_[index].group : 0;
 }
 
 std::size_t LightSet::bytes() const {

@@ -2,14 +2,16 @@
 /// All lights of a scene, for estimates of direct light: one light is chosen, and one position on it.
 ///
 ///     LightSample aim;
-///     if (lights.sample(p, n, choice, u, &aim)) sum += bsdf(aim.direction) * aim.radiance_over_pdf * weight;
+///     if (lights.sample(p, n, choice, u, &aim))
+///       sum += bsdf(aim.direction) * aim.radiance_over_pdf * weight * levels[aim.group];
 ///
 /// p is the start of the shadow ray, in the render frame. n is the normal of the lit side; lights behind it are not
 /// chosen, and n = 0 stands for both sides. A ray that hits a light gets its radiance, and the pdf with which sample()
 /// would have chosen that direction, as follows:
 ///
 ///     hits a placement         radiance: the material's emission    pdf(p, n, lights.of_triangle(...), ...)
-///     hits a visible lamp      radiance(light, p, direction)        pdf(p, n, light, ...)
+///     hits a visible lamp      radiance(light, p, direction), times the level of group_of(light)
+///                                                                   pdf(p, n, light, ...)
 ///     hits nothing             environment(direction)               environment_pdf(p, n, direction)
 ///
 /// A pdf is per steradian and includes the choice of the light. 0 means that sample() never chooses the direction, so
@@ -59,6 +61,9 @@ class LightSet {
   /// Returns the radiance that a ray from `p` receives from the visible lamp that it hit; zero from behind the lamp,
   /// and for triangles.
   [[nodiscard]] Vec3 radiance(LightIndex light, const Vec3& p, const Vec3& direction) const;
+
+  /// Returns the group of a light (scene/lamp_groups.h); 0 for triangles.
+  [[nodiscard]] std::size_t group_of(LightIndex light) const;
 
   [[nodiscard]] bool chooses_by_tree() const { return !tree_.empty(); }
   [[nodiscard]] std::span<const Lamp> suns() const { return suns_; }

@@ -23,7 +23,7 @@ using Crossings = std::array<Crossing, kMaxRays>;
 
 /// Multiplies each crossing's radiance by the share of the scene's light that meshes do not block there, estimated with
 /// one light.
-void shadow(const TraceScene& scene, PathBatch& batch, Crossings& crossings) {
+void shadow(const TraceScene& scene, const TraceView& view, PathBatch& batch, Crossings& crossings) {
   const RayStage& stage = batch.current();
   const float ambient = kPi * luminance(scene.ambient);
   std::array<std::uint16_t, kMaxRays> ray_of;
@@ -44,7 +44,7 @@ void shadow(const TraceScene& scene, PathBatch& batch, Crossings& crossings) {
     if (!scene.lights.sample(point, Vec3::Zero(), choice.u, {place.u, place.v}, &aim)) continue;
     const auto shadow = static_cast<std::size_t>(rays.count());
     ray_of[shadow] = static_cast<std::uint16_t>(i);
-    direct_of[shadow] = luminance(aim.radiance_over_pdf);
+    direct_of[shadow] = luminance(aim.radiance_over_pdf) * view.lamps[aim.group];
     rays.add(point, aim.direction, aim.distance, mix_bits(seed));
   }
   trace_any(scene.top, rays);
@@ -87,12 +87,13 @@ void cross_splats(const TraceScene& scene, const TraceView& view, bool is_camera
     if (is_camera && view.depth)
       note_splat_depth(batch, stage.state[static_cast<std::size_t>(i)].path, light.depth_m, film);
   }
-  if (!scene.placements.empty() && !scene.lights.empty()) shadow(scene, batch, *crossings);
+  if (!scene.placements.empty() && !scene.lights.empty()) shadow(scene, view, batch, *crossings);
   for (int i = 0; i < stage.rays.count(); ++i) {
     const Crossing& crossing = (*crossings)[static_cast<std::size_t>(i)];
     PathRay& ray = stage.state[static_cast<std::size_t>(i)];
     Path& path = batch.path[ray.path];
-    (ray.scatterings < 2 ? path.direct : path.indirect) += ray.throughput.cwiseProduct(crossing.radiance);
+    (ray.scatterings < 2 ? path.direct : path.indirect) +=
+        view.lamps[0] * ray.throughput.cwiseProduct(crossing.radiance);
     ray.throughput *= crossing.transmittance;
   }
   batch.rays_traced += static_cast<std::uint64_t>(stage.rays.count());

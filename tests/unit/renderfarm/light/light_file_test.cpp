@@ -32,6 +32,11 @@ LightStore example() {
   store.surfaces[0].sides[0].sample_errors = {0, 128, 255};
   store.surfaces[1].sides[1].base = {5};
   store.surfaces[1].sides[1].base_errors = {50};
+  LightStore& group = store.groups.emplace_back();
+  group.unit = 0.5f;
+  group.surfaces.resize(2);
+  group.surfaces[0].sides[0].base = {6, 7, 8, 9};
+  group.surfaces[0].sides[0].base_errors = {60, 70, 80, 90};
   return store;
 }
 
@@ -52,6 +57,9 @@ TEST(LightFile, survives_a_round_trip) {
   EXPECT_EQ(again->surfaces[0].sides[0].base_errors, example().surfaces[0].sides[0].base_errors);
   EXPECT_EQ(again->surfaces[0].sides[0].sample_errors, example().surfaces[0].sides[0].sample_errors);
   EXPECT_EQ(again->surfaces[0].sides[0].samples, example().surfaces[0].sides[0].samples);
+  ASSERT_EQ(again->groups.size(), 1u);
+  EXPECT_EQ(again->groups[0].unit, 0.5f);
+  EXPECT_EQ(again->groups[0].surfaces[0].sides[0].base, example().groups[0].surfaces[0].sides[0].base);
 }
 
 TEST(LightFile, refuses_every_truncation_and_every_flipped_byte_with_a_remedy) {

@@ -25,32 +25,32 @@ constexpr std::array<std::uint32_t, 3> kCorners = {0, 1, 2};
 TEST(LightStore, interpolates_between_the_corners_in_its_unit) {
   LightStore store = one_triangle();
   store.unit = 10.0f;
-  EXPECT_EQ(store.at(0, 0, 0, kCorners, {1, 0, 0})->x(), 10.0f);
-  EXPECT_EQ(store.at(0, 0, 0, kCorners, {0, 0.5f, 0.5f})->x(), 30.0f);
+  EXPECT_EQ(store.at({0, 0, 0, kCorners, {1, 0, 0}})->x(), 10.0f);
+  EXPECT_EQ(store.at({0, 0, 0, kCorners, {0, 0.5f, 0.5f}})->x(), 30.0f);
 }
 
 TEST(LightStore, has_no_light_on_a_side_that_nobody_sees) {
-  EXPECT_FALSE(one_triangle().at(0, 1, 0, kCorners, {1, 0, 0}));
+  EXPECT_FALSE(one_triangle().at({0, 1, 0, kCorners, {1, 0, 0}}));
 }
 
 TEST(LightStore, has_no_light_beside_a_missing_sample) {
   LightStore store = one_triangle();
   store.surfaces[0].sides[0].base[1] = kNoSample;
-  EXPECT_FALSE(store.at(0, 0, 0, kCorners, {0.4f, 0.3f, 0.3f}));
+  EXPECT_FALSE(store.at({0, 0, 0, kCorners, {0.4f, 0.3f, 0.3f}}));
 }
 
 TEST(LightStore, reads_one_sample_for_a_whole_triangle_of_a_flat_mesh) {
   LightStore store = one_triangle();
   store.surfaces[0].base_per_triangle = true;
   for (const Vector3f& weights : {Vector3f(1, 0, 0), Vector3f(0.2f, 0.3f, 0.5f)}) {
-    EXPECT_EQ(store.at(0, 0, 2, kCorners, weights)->x(), 4.0f);
+    EXPECT_EQ(store.at({0, 0, 2, kCorners, weights})->x(), 4.0f);
   }
 }
 
 TEST(LightStore, traces_triangles_that_are_marked) {
   LightStore store = one_triangle();
   store.surfaces[0].sides[0].grids = {TriangleGrid::kTraced};
-  EXPECT_FALSE(store.at(0, 0, 0, kCorners, {1, 0, 0}));
+  EXPECT_FALSE(store.at({0, 0, 0, kCorners, {1, 0, 0}}));
 }
 
 TEST(TriangleGrid, numbers_every_sample_once) {
@@ -90,7 +90,7 @@ TEST(TriangleGrid, is_linear_inside_each_part_and_continuous) {
     for (int b = 0; a + b <= 40; ++b) {
       const float u = static_cast<float>(a) / 40.0f;
       const float v = static_cast<float>(b) / 40.0f;
-      const auto light = store.at(0, 0, 0, kCorners, {1.0f - u - v, u, v});
+      const auto light = store.at({0, 0, 0, kCorners, {1.0f - u - v, u, v}});
       ASSERT_TRUE(light) << u << ' ' << v;
       EXPECT_NEAR(light->x(), 16.0f + 16.0f * u + 32.0f * v, 1e-3f) << u << ' ' << v;
     }

@@ -167,6 +167,31 @@ TEST(BakeLight, leaves_out_the_eye_lamp_which_pictures_add_wherever_the_eye_is) 
   }
 }
 
+TEST(BakeLight, keeps_groups_of_lamps_apart_so_that_pictures_may_dim_them) {
+  scene::Scene scene = box_scene(0.6f, 16);
+  scene.ambient.setConstant(0.05f);
+  scene.model.lights = {point_light({0.5, 1.2, 0.4}, 20.0f), point_light({-0.8, 0.9, -0.5}, 20.0f),
+                        point_light({0.0, -1.0, 0.9}, 5.0f)};
+  for (scene::Light& lamp : scene.model.lights) lamp.radius_m = 0.2;
+  scene.model.lights[0].intensity = {30.0f, 10.0f, 5.0f};
+  scene.model.lights[1].intensity = {5.0f, 10.0f, 30.0f};
+  scene.model.lights[0].group = 1;
+  scene.model.lights[1].group = 2;
+  scene.info.lamp_groups = {"evening", "morning"};
+  scene.exposure = 0.5;
+  const auto renderer = built(std::move(scene));
+  const BakedLight light = baked(*renderer);
+  ASSERT_EQ(light.store->groups.size(), 2u);
+  const std::vector<std::vector<float>> levels = {{}, {0.0f, 1.0f}, {0.25f, 0.0f}, {0.0f, 0.0f}, {2.0f, 0.5f}};
+  for (const std::vector<float>& level : levels) {
+    render::PanoramaView view = view_from({0.3, 0.2, -0.1}, 96, 48, 1.0, -1.0);
+    view.lamps = scene::levels_of(level);
+    const Difference found = difference(*renderer, view, 256);
+    EXPECT_LT(std::abs(found.relative_bias), 0.01) << testing::PrintToString(level);
+    EXPECT_LT(found.worst_codes, 5.0) << testing::PrintToString(level);
+  }
+}
+
 TEST(BakeLight, leaves_nothing_behind_when_it_is_cancelled) {
   const auto renderer = built(box_scene(0.5f, 2));
   int calls = 0;

@@ -299,6 +299,34 @@ TEST(Materials, the_eye_lamp_follows_the_inverse_square_law_and_casts_no_shadow)
   EXPECT_NEAR(radiance_of(*renderer, view).at(0, 0)[0], 0.25f, 1e-3f);
 }
 
+TEST(Materials, light_is_the_sum_of_its_groups_at_their_levels) {
+  scene::Scene scene = scene_of(sphere_mesh(3.0f, 24));
+  scene.model.materials[0].base_colour.head<3>().setConstant(0.5f);
+  scene.ambient.setConstant(0.1f);
+  scene::Light disk = point_light({0, 2, 0}, 3.0f);
+  disk.kind = scene::LightKind::kDisk;
+  disk.radius_m = 0.5;
+  scene.model.lights = {point_light({0, -1, 0}, 5.0f), disk};
+  scene.model.lights[0].radius_m = 0.1;
+  scene.model.lights[0].group = 1;
+  scene.model.lights[1].group = 2;
+  const auto renderer = built(std::move(scene));
+  const auto light_at = [&](std::vector<float> levels) {
+    PanoramaView view = view_from({0.3, 0.2, 0.1}, 32, 16, 2.0, -2.0);
+    view.quality.bounces = 2;
+    view.quality.samples = 4;
+    view.lamps = scene::levels_of(levels);
+    return mean_of(radiance_of(*renderer, view));
+  };
+  const double rest = light_at({0.0f, 0.0f});
+  const double first = light_at({1.0f, 0.0f}) - rest;
+  const double second = light_at({0.0f, 1.0f}) - rest;
+  EXPECT_GT(first, 0.1 * rest);
+  EXPECT_GT(second, 0.1 * rest);
+  EXPECT_NEAR(light_at({}), rest + first + second, 1e-5);
+  EXPECT_NEAR(light_at({0.5f, 3.0f}), rest + 0.5 * first + 3.0 * second, 1e-5);
+}
+
 TEST(Materials, the_eye_lamp_gives_no_indirect_light) {
   scene::Scene scene = scene_of(sphere_mesh(3.0f, 24));
   scene.model.materials[0].base_colour.head<3>().setConstant(0.9f);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/scene/scene_package.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -156,6 +157,32 @@ visible = true
   EXPECT_EQ(package->lamps[2].kind, LightKind::kDisk);
   EXPECT_EQ(package->lamps[2].radius_m, 0.5);
   EXPECT_TRUE(package->lamps[3].visible);
+}
+
+std::string lamp_of_group(std::string_view group) {
+  return fmt::format("[[lamp]]\nkind = \"point\"\nposition_m = [0, 1, 0]\nintensity_cd = [1, 1, 1]\ngroup = \"{}\"\n",
+                     group);
+}
+
+TEST_F(ScenePackageTest, lamps_of_one_group_share_its_number_and_others_have_none) {
+  const auto package =
+      parse(kMinimalPackage + lamp_of_group("daylight") + lamp_of_group("butter lamps") + lamp_of_group("daylight") +
+            "[[lamp]]\nkind = \"point\"\nposition_m = [0, 1, 0]\nintensity_cd = [1, 1, 1]\n");
+  ASSERT_TRUE(package) << package.error().message();
+  EXPECT_EQ(package->lamp_groups, (std::vector<std::string>{"daylight", "butter lamps"}));
+  ASSERT_EQ(package->lamps.size(), 4u);
+  EXPECT_EQ(package->lamps[0].group, 1u);
+  EXPECT_EQ(package->lamps[1].group, 2u);
+  EXPECT_EQ(package->lamps[2].group, 1u);
+  EXPECT_EQ(package->lamps[3].group, 0u);
+}
+
+TEST_F(ScenePackageTest, an_eighth_group_of_lamps_and_a_name_without_letters_are_refused) {
+  std::string text = kMinimalPackage;
+  for (int group = 1; group <= 7; ++group) text += lamp_of_group(fmt::format("group {}", group));
+  EXPECT_TRUE(parse(text));
+  EXPECT_THAT(complaint(text + lamp_of_group("one more")), HasSubstr("is the 8th group"));
+  EXPECT_THAT(complaint(kMinimalPackage + lamp_of_group("")), HasSubstr("1 to 64 bytes"));
 }
 
 TEST_F(ScenePackageTest, mistakes_in_flat_lamps_name_their_remedy) {

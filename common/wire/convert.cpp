@@ -17,6 +17,9 @@ constexpr std::uint32_t kMaxSamples = 4096;
 constexpr std::uint32_t kMaxBounces = 64;
 constexpr std::uint32_t kMaxLightSamples = 16;
 constexpr float kMaxRadianceLimit = 1e9f;
+// Those of renderfarm/scene/lamp_groups.h, without group 0.
+constexpr int kMaxLampLevels = 7;
+constexpr float kMaxLampLevel = 4.0f;
 // Far beyond any scene, but within the range of float, which the ray kernels use.
 constexpr double kMaxEyeCoordinateM = 1e7;
 constexpr double kSteepest = 1e4;           // Maximum tangent, within a hundredth of a degree of a right angle.
@@ -70,6 +73,12 @@ Status validate_knobs(const wire::View& view) {
   TRY(check_max("adaptive_minimum", view.adaptive_minimum(), kMaxSamples));
   TRY(check_max("prior_samples", view.prior_samples(), kMaxSamples));
   TRY(is_light("prior_weight", view.prior_weight()));
+  if (view.lamp_levels_size() > kMaxLampLevels)
+    return refuse("lamp_levels", fmt::format("are {}; there may be {}", view.lamp_levels_size(), kMaxLampLevels));
+  for (const float level : view.lamp_levels()) {
+    if (!(level >= 0.0f && level <= kMaxLampLevel))
+      return refuse("lamp_levels", fmt::format("has {}; levels must be 0 to {}", level, kMaxLampLevel));
+  }
   if (view.jpeg_quality() >= 1 && view.jpeg_quality() <= 100) return Done{};
   return refuse("jpeg_quality", fmt::format("is {}; it must be 1 to 100", view.jpeg_quality()));
 }
@@ -213,6 +222,9 @@ Status validate(const wire::SceneDescription& scene) {
   for (const wire::TourStop& stop : scene.stops()) {
     if (!is_pose(stop.eye_m(), stop.heading_rad())) return refuse_scene("stops: '" + stop.title() + "' is not finite");
   }
+  if (scene.lamp_groups_size() > kMaxLampLevels)
+    return refuse_scene(
+        fmt::format("lamp_groups has {} names; it may have {}", scene.lamp_groups_size(), kMaxLampLevels));
   return Done{};
 }
 

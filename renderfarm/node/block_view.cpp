@@ -2,6 +2,7 @@
 #include "renderfarm/node/block_view.h"
 
 #include <algorithm>
+#include <span>
 
 #include "common/wire/convert.h"
 
@@ -37,6 +38,7 @@ Result<render::PanoramaView> view_of(const wire::RenderBlock& block) {
   whole.set_width_px(block.width_px());
   whole.set_height_px(block.height_px());
   TRY(validate(whole, picture.width_px(), picture.height_px()));
+  const auto levels = static_cast<std::size_t>(block.view().lamp_levels_size());
   // The view's number is the seed: noise changes from frame to frame and is the same on every node.
   render::PanoramaView view;
   view.eye = from_wire(block.view().eye_m());
@@ -44,6 +46,7 @@ Result<render::PanoramaView> view_of(const wire::RenderBlock& block) {
   view.quality = quality_of(block.view());
   view.seed = block.view().number();
   view.depth = block.view().depth();
+  view.lamps = scene::levels_of(std::span(block.view().lamp_levels().data(), levels));
   const auto* const panorama = std::get_if<Panorama>(&picture.shape);
   if (panorama != nullptr && picture.stacked() == 1) {
     view.panorama = *panorama;

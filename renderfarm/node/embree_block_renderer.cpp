@@ -91,6 +91,7 @@ class EmbreeBlockRenderer final : public BlockRenderer {
       to_wire(stop.eye, out_stop->mutable_eye_m());
       out_stop->set_heading_rad(stop.heading_rad);
     }
+    for (const std::string& group : scene.info.lamp_groups) out.add_lamp_groups(group);
     return out;
   }
 

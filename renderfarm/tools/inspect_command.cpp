@@ -131,6 +131,7 @@ Status inspect(const SceneOptions& options) {
              text_of(scene.info.start_eye), scene.info.start_heading_rad / kDegree, scene.info.eye_height_m,
              scene.info.walkable.size(), scene.info.stops.size());
   fmt::print("lights      {}\n", model.lights.size());
+  if (!scene.info.lamp_groups.empty()) fmt::print("groups      {}\n", fmt::join(scene.info.lamp_groups, ", "));
   print_light(scene);
   fmt::print("tone        {}\n", name_of(scene.tone));
   print_needs(scene);

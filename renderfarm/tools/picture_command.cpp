@@ -2,6 +2,7 @@
 #include "renderfarm/tools/picture_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 
@@ -26,6 +27,7 @@ struct PictureOptions {
   bool denoise = false;
   std::string light;
   std::optional<int> bounces;
+  std::vector<std::pair<std::string, float>> lamps;
 };
 
 /// Calls `render` for each band of `band_px` rows and adds up the costs that it returns.
@@ -48,9 +50,26 @@ Result<Image> in_bands(const render::PanoramaView& view, int band_px, const Stop
   return image;
 }
 
+/// Returns the levels of the groups that the options name. Errors: kInvalidArgument for a name that is not the scene's.
+Result<scene::LampLevels> levels_of(const PictureOptions& options, const scene::SceneInfo& info) {
+  scene::LampLevels levels = scene::kAuthoredLamps;
+  for (const auto& [name, level] : options.lamps) {
+    const auto group = std::ranges::find(info.lamp_groups, name);
+    if (group == info.lamp_groups.end()) {
+      return Error(
+          ErrorCode::kInvalidArgument,
+          fmt::format("the scene has no group of lamps '{}'; it has {}", name,
+                      info.lamp_groups.empty() ? "none" : fmt::format("{}", fmt::join(info.lamp_groups, ", "))));
+    }
+    levels[1 + static_cast<std::size_t>(group - info.lamp_groups.begin())] = level;
+  }
+  return levels;
+}
+
 Status picture(const PictureOptions& options, const StopSignal& stop) {
   TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
   TRY_ASSIGN(render::PanoramaView view, view_of(options.view, loaded.scene.info));
+  TRY_ASSIGN(view.lamps, levels_of(options, loaded.scene.info));
   view.quality = options.quality;
   view.quality.bounces = options.bounces.value_or(loaded.scene.bounces);
   TRY(render::check_view(view, {}));
@@ -116,6 +135,7 @@ RenderCommand add_picture_command(CLI::App* program) {
   parser
       ->add_option("--light", options->light, "File of stored light (cyclorama-render light) to read where it has any")
       ->check(CLI::ExistingFile);
+  parser->add_option("--lamps", options->lamps, "Groups of lamps and their levels, 0 to 4, such as daylight 0.2");
   parser->add_option("--json", options->json, "Also write the cost, as JSON");
   return {parser, [options](const StopSignal& stop) { return picture(*options, stop); }};
 }

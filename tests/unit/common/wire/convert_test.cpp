@@ -148,6 +148,13 @@ TEST(Convert, names_each_invalid_field_of_a_view) {
   EXPECT_THAT(refused([](auto& v) { v.set_sequence(4097); }), HasSubstr("sequence"));
   EXPECT_THAT(refused([](auto& v) { v.set_bounces(65); }), HasSubstr("bounces"));
   EXPECT_THAT(refused([](auto& v) { v.set_light_samples(17); }), HasSubstr("light_samples"));
+  EXPECT_THAT(refused([&](auto& v) { v.add_lamp_levels(static_cast<float>(nan)); }), HasSubstr("lamp_levels"));
+  EXPECT_THAT(refused([](auto& v) { v.add_lamp_levels(-0.5f); }), HasSubstr("lamp_levels"));
+  EXPECT_THAT(refused([](auto& v) { v.add_lamp_levels(4.5f); }), HasSubstr("lamp_levels"));
+  EXPECT_THAT(refused([](auto& v) {
+                for (int group = 0; group < 8; ++group) v.add_lamp_levels(1.0f);
+              }),
+              HasSubstr("are 8; there may be 7"));
   EXPECT_THAT(refused([&](auto& v) { v.set_firefly_limit(static_cast<float>(nan)); }), HasSubstr("firefly_limit"));
   EXPECT_THAT(refused([](auto& v) { v.set_adaptive_error(-0.1f); }), HasSubstr("adaptive_error"));
   EXPECT_THAT(refused([](auto& v) { v.set_adaptive_minimum(1); }), HasSubstr("adaptive_minimum"));

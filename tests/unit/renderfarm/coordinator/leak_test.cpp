@@ -68,6 +68,8 @@ const std::set<std::string> kReviewed = {
     "Panorama.width_px: uint32",
     "SceneDescription.credits: string",
     "SceneDescription.eye_height_m: double",
+    // Names that the scene's author gave.
+    "SceneDescription.lamp_groups: string",
     "SceneDescription.name: string",
     "SceneDescription.start_eye_m: Vector3",
     "SceneDescription.start_heading_rad: double",
@@ -107,6 +109,7 @@ const std::set<std::string> kReviewed = {
     "View.first_sample: uint32",
     "View.heading_rad: double",
     "View.jpeg_quality: uint32",
+    "View.lamp_levels: float",
     // SHA-256 of the light's file: a name, from which nothing of the scene can be computed.
     "View.light: string",
     "View.light_samples: uint32",

@@ -38,6 +38,13 @@ TEST(BlockView, of_one_eye_is_the_panorama_itself) {
   EXPECT_EQ(view->panorama, panorama);
 }
 
+TEST(BlockView, has_the_levels_of_the_groups_of_lamps_and_leaves_others_as_they_are) {
+  wire::RenderBlock block = whole_block({Panorama{64, 32, 1.0, 0.4, -0.4}, {}});
+  EXPECT_EQ(view_of(block)->lamps, scene::kAuthoredLamps);
+  for (int group = 0; group < 7; ++group) block.mutable_view()->add_lamp_levels(0.5f * static_cast<float>(group));
+  EXPECT_EQ(view_of(block)->lamps, (scene::LampLevels{1.0f, 0.0f, 0.5f, 1.0f, 1.5f, 2.0f, 2.5f, 3.0f}));
+}
+
 TEST(BlockView, of_two_eyes_has_rays_that_start_at_the_eyes) {
   const Panorama round{640, 320, 2.0, 0.5, -0.5};
   const Perspective flat{640, 320, -1.0, 1.0, 0.5, -0.5, 0.0};

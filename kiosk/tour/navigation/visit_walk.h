@@ -37,9 +37,17 @@ struct TrackerLeft {
 struct KeysPressed {
   SteeringCommand command;
 };
+/// The visitor is to be led to a stop.
+struct LedToStop {
+  std::size_t stop = 0;
+};
+/// The picture was cut to a stop.
+struct CutToStop {
+  std::size_t stop = 0;
+};
 /// Time passed.
 struct Tick {};
-using WalkEvent = std::variant<SceneOpened, PoseSeen, TrackerLeft, KeysPressed, Tick>;
+using WalkEvent = std::variant<SceneOpened, PoseSeen, TrackerLeft, KeysPressed, LedToStop, CutToStop, Tick>;
 
 /// A value.
 struct VisitWalk {
@@ -50,6 +58,15 @@ struct VisitWalk {
   WandSelector choice;
   std::map<std::uint64_t, PoseOrder> trackers;
 };
+
+/// Returns the event that brings the visitor to a stop; by a cut if `is_away`, since then nobody walks. Precondition:
+/// can_go_to().
+[[nodiscard]] WalkEvent way_to(const VisitWalk& walk, std::size_t stop, bool is_away);
+/// True if the walk has such a stop, and an area to stand in.
+[[nodiscard]] bool can_go_to(const VisitWalk& walk, std::size_t stop);
+/// Returns the stop that is `step` stops after the one that the visitor reached last, or is led to; the nearest one if
+/// there was none. After the last comes the first. Nothing without stops.
+[[nodiscard]] std::optional<std::size_t> stop_after(const VisitWalk& walk, int step);
 
 /// Returns the walk after `event`, which arrived at `at`. If the same scene opens again, the position is kept as far as
 /// the walkable area still allows it.

@@ -250,7 +250,7 @@ FrameAssembler::~FrameAssembler() { stream_lost(); }
 void FrameAssembler::take(wire::ShowMessage message) {
   switch (message.message_case()) {
     case wire::ShowMessage::kBegin:
-      return begin(message.begin());
+      return begin(message.begin(), message.cuts());
     case wire::ShowMessage::kTile:
       return tile(std::move(*message.mutable_tile()));
     case wire::ShowMessage::kEnd:
@@ -275,7 +275,7 @@ std::uint64_t FrameAssembler::set_heads(std::vector<HeadFootprint> heads) {
   return order_;
 }
 
-void FrameAssembler::begin(const wire::View& view) {
+void FrameAssembler::begin(const wire::View& view, std::uint64_t cuts) {
   if (current_ != nullptr) current_->fail("another frame began before its end");
   current_.reset();
   refused_number_ = view.number();
@@ -294,6 +294,7 @@ void FrameAssembler::begin(const wire::View& view) {
   DisplayFrame frame;
   frame.order = ++order_;
   frame.number = view.number();
+  frame.cuts = cuts;
   frame.heading_rad = view.heading_rad();
   frame.eye_m = from_wire(view.eye_m());
   frame.shutter_ns = view.shutter_ns();

@@ -79,7 +79,7 @@ class FrameAssembler {
     std::shared_ptr<const ReprojectionGrid> grid;
   };
 
-  void begin(const wire::View& view);
+  void begin(const wire::View& view, std::uint64_t cuts);
   void tile(wire::Tile tile);
   void end(const wire::FrameEnd& end, const ShowAt& show_at);
   const KnownParts& parts_of(const Projection& picture);

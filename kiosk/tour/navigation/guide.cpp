@@ -149,7 +149,7 @@ std::optional<std::size_t> guide_cut(const GuideState& state, const Walker& walk
 bool needs_cut(const Site& site, const Walker& walker, std::size_t stop) {
   const std::optional<std::size_t> here = stop_at(site, walker);
   if (here == stop) return false;
-  if (site.reduced_motion) return true;
+  if (site.reduced_motion || site.is_held) return true;
   const GuideWay* const way = here ? way_between(site, *here, stop) : nullptr;
   return way != nullptr && way->is_cut;
 }

@@ -19,7 +19,7 @@ struct GuideStop {
   std::string title;
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< (x, z) in the Scene frame.
   double heading_rad = 0.0;
-  std::string name{};                       ///< Empty: a stop of the scene's own.
+  std::string name{};                       ///< Unique in its tour.
   Duration stay = std::chrono::seconds(8);  ///< How long the guide stays there.
 };
 
@@ -42,6 +42,7 @@ struct Site {
   double pace = 1.0;
   double turn_pace = 1.0;
   bool reduced_motion = false;  ///< The guide cuts from stop to stop instead of walking.
+  bool is_held = false;         ///< Only kept pictures of stops can be shown: nobody walks, and the guide cuts.
 };
 
 /// Progress of the guide's round. A value; a new state starts with the path to the nearest stop.

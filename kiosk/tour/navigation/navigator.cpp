@@ -169,7 +169,8 @@ Navigation advanced(Navigation state, const Site& site, const NavigationSettings
   command.forward *= site.pace;
   command.right *= site.pace;
   command.turn *= site.turn_pace;
-  state.walker = walked(state.walker, command, elapsed, settings.limits, site.walking_scale, site.area.get());
+  const WalkableArea* const area = site.is_held ? nullptr : site.area.get();
+  state.walker = walked(state.walker, command, elapsed, settings.limits, site.walking_scale, area);
   return state;
 }
 

@@ -46,6 +46,10 @@ struct Apply {
   void operator()(const CutToStop& cut_to) const {
     if (can_go_to(walk, cut_to.stop)) walk.navigation = cut(std::move(walk.navigation), walk.site, cut_to.stop, at);
   }
+  void operator()(const Held&) const {
+    walk.site.is_held = true;
+    walk.navigation.guide = {};
+  }
   void operator()(const Tick&) const {
     if (walk.open) walk.navigation = advanced(std::move(walk.navigation), walk.site, settings, at);
   }
@@ -57,8 +61,8 @@ bool can_go_to(const VisitWalk& walk, std::size_t stop) {
   return walk.open && walk.site.area != nullptr && stop < walk.site.stops.size();
 }
 
-WalkEvent way_to(const VisitWalk& walk, std::size_t stop, bool is_away) {
-  if (is_away || needs_cut(walk.site, walk.navigation.walker, stop)) return CutToStop{stop};
+WalkEvent way_to(const VisitWalk& walk, std::size_t stop) {
+  if (needs_cut(walk.site, walk.navigation.walker, stop)) return CutToStop{stop};
   return LedToStop{stop};
 }
 

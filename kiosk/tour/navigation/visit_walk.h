@@ -45,9 +45,11 @@ struct LedToStop {
 struct CutToStop {
   std::size_t stop = 0;
 };
+/// From now on, until the scene opens again, only kept pictures of stops can be shown.
+struct Held {};
 /// Time passed.
 struct Tick {};
-using WalkEvent = std::variant<SceneOpened, PoseSeen, TrackerLeft, KeysPressed, LedToStop, CutToStop, Tick>;
+using WalkEvent = std::variant<SceneOpened, PoseSeen, TrackerLeft, KeysPressed, LedToStop, CutToStop, Held, Tick>;
 
 /// A value.
 struct VisitWalk {
@@ -59,9 +61,8 @@ struct VisitWalk {
   std::map<std::uint64_t, PoseOrder> trackers;
 };
 
-/// Returns the event that brings the visitor to a stop; by a cut if `is_away`, since then nobody walks. Precondition:
-/// can_go_to().
-[[nodiscard]] WalkEvent way_to(const VisitWalk& walk, std::size_t stop, bool is_away);
+/// Returns the event that brings the visitor to a stop. Precondition: can_go_to().
+[[nodiscard]] WalkEvent way_to(const VisitWalk& walk, std::size_t stop);
 /// True if the walk has such a stop, and an area to stand in.
 [[nodiscard]] bool can_go_to(const VisitWalk& walk, std::size_t stop);
 /// Returns the stop that is `step` stops after the one that the visitor reached last, or is led to; the nearest one if

@@ -73,6 +73,7 @@ struct Write {
   }
   std::string operator()(const LedToStop& led) const { return fmt::format("{} {}", line("led"), led.stop); }
   std::string operator()(const CutToStop& cut) const { return fmt::format("{} {}", line("cut"), cut.stop); }
+  std::string operator()(const Held&) const { return line("held"); }
   std::string operator()(const Tick&) const {
     const Walker& walker = walk.navigation.walker;
     return fmt::format("{} {} {} {} {} {} {} {}", line("tick"), walker.position_m.x(), walker.position_m.y(),
@@ -295,10 +296,12 @@ WalkEntry read_entry(Words* words) {
     entry.event = LedToStop{words->count(kMaxStops)};
   } else if (kind == "cut") {
     entry.event = CutToStop{words->count(kMaxStops)};
+  } else if (kind == "held") {
+    entry.event = Held{};
   } else if (kind == "open") {
     entry.event = read_open(words);
   } else {
-    words->fail("begins with none of open, pose, body, left, keys, led, cut, tick");
+    words->fail("begins with none of open, pose, body, left, keys, led, cut, held, tick");
   }
   return entry;
 }

@@ -15,6 +15,7 @@
 ///   left AT TRACKER
 ///   keys AT FORWARD RIGHT TURN
 ///   led AT STOP                                                            likewise `cut`
+///   held AT
 ///   tick AT X Z HEADING RIGHT FORWARD TURN STEERER                         the resulting view; then further events
 #pragma once
 

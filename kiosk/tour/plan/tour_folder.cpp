@@ -46,7 +46,7 @@ Result<std::string> TourFolder::add(PlannedStop planned, const TourPlan& otherwi
                  fmt::format("'{}' is no stop's name; use 1 to 40 letters of a to z, digits and '-'", printable(name)));
   }
   if (has_stop(plan, name))
-    return Error(ErrorCode::kBusy, fmt::format("a stop is called '{}' already; choose another name", name));
+    return Error(ErrorCode::kInvalidArgument, fmt::format("a stop is called '{}' already; choose another name", name));
   // The title is in whatever language the tour begins with.
   if (!planned.title.empty()) planned.title = {{plan.languages.front(), planned.title.begin()->second}};
   planned.stop.position_m = rounded(planned.stop.position_m, area);

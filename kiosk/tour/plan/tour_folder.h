@@ -19,8 +19,8 @@ class TourFolder {
   /// Returns the text of tour.toml. Errors: those of read_text_file().
   [[nodiscard]] Result<std::string> read() const;
   /// Adds a stop after the others; an empty name becomes the first free one of stop-1, stop-2 and so on. Without a
-  /// tour.toml, begins with `otherwise`. Returns the name. Errors: kBusy if a stop has this name; kInvalidArgument for
-  /// an impossible name or title; those of parse_tour_plan() and of the files.
+  /// tour.toml, begins with `otherwise`. Returns the name. Errors: kInvalidArgument for a name that another
+  /// stop has, or an impossible name or title; those of parse_tour_plan() and of the files.
   Result<std::string> add(PlannedStop stop, const TourPlan& otherwise, const WalkableArea& area) const;
   /// Exchanges tour.toml and the file before it. Errors: kNotFound if there is none; those of the files.
   Status undo() const;

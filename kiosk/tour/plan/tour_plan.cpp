@@ -66,7 +66,7 @@ class PlanReader {
   void read_languages() {
     plan_.languages = root_.texts("languages");
     if (plan_.languages.empty()) {
-      root_.refuse("languages", "names no language; write [\"en\"], or another tag");
+      if (root_.has("languages")) root_.refuse("languages", "names no language; write [\"en\"], or another tag");
       plan_.languages = {"en"};
     }
     if (plan_.languages.size() > kMaxLanguages) {

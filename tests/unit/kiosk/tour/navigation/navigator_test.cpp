@@ -268,7 +268,7 @@ TEST(Navigator, with_reduced_motion_rests_where_a_cut_is_due) {
   walk.site.reduced_motion = true;
   walk.run(5s);
   EXPECT_TRUE(walk.state.walker.position_m.isZero(0.0)) << "the guide does not walk";
-  ASSERT_EQ(guide_cut(walk.state.guide, walk.state.walker, walk.site, walk.now), 0u) << "the nearest stop";
+  ASSERT_EQ(guide_cut(walk.state.guide, walk.state.walker, walk.site, walk.now), 1u) << "the nearest stop";
   walk.state = cut(std::move(walk.state), walk.site, 1, walk.now);
   EXPECT_EQ(walk.state.walker.position_m, Vector2d(-3, 2));
   walk.run(2s);

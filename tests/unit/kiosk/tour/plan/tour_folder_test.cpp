@@ -82,7 +82,7 @@ TEST_F(TourFolders, undo_the_first_stop_to_no_tour_at_all) {
 TEST_F(TourFolders, refuse_what_would_make_no_tour_and_change_nothing) {
   ASSERT_TRUE(add("a", "", {0, 0}));
   const std::string before = text();
-  EXPECT_EQ(add("a", "", {1, 0}).error().code(), ErrorCode::kBusy);
+  EXPECT_EQ(add("a", "", {1, 0}).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(add("A b", "", {1, 0}).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_THAT(add("b", std::string(500, 'x'), {1, 0}).error().message(), HasSubstr("at most 200"));
   EXPECT_THAT(add("b", "", {9, 0}).error().message(), HasSubstr("nearest place"));

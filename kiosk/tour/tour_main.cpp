@@ -94,7 +94,7 @@ Result<TourSettings> settings_of(const Options& options) {
   return settings;
 }
 
-/// Errors: those of parse_tour_plan(), if the folder has a tour. Only a visit knows whether its stops are in the scene.
+/// Errors: those of parse_tour_plan(), if the folder has a tour. Its positions are checked when a scene is open.
 Status check_tour(const std::filesystem::path& folder) {
   if (folder.empty()) return Done{};
   const TourFolder tour(folder);

@@ -8,7 +8,9 @@ It prints one line that is a JSON object; `cyclorama status` is asked in a loop,
 import argparse
 import json
 import pathlib
+import socket
 import statistics
+import struct
 import subprocess
 import sys
 import tempfile
@@ -54,7 +56,8 @@ reference_samples = {samples}
 class Visit:
     def __init__(self, root, build, folder, options):
         self.bin, self.folder = pathlib.Path(build) / "bin", pathlib.Path(folder)
-        self.at = {name: f"[::1]:{free_port()}" for name in ("museums", "nodes", "tour", "display")}
+        self.at = {name: f"[::1]:{free_port()}" for name in ("museums", "nodes", "tour", "display", "hand")}
+        self.osc_port = free_port()
         self.scene, self.count = self.folder / "grotto", 0
         (self.folder / "tour").mkdir()
         (self.folder / "tour/tour.toml").write_text(TOUR)
@@ -67,6 +70,8 @@ class Visit:
         self.tour = self.start_tour()
         self.display = self.start("display", "--installation", f"{root}/demo/installation.toml", "--tour", self.at["tour"], "--listen",
                                   self.at["display"], "--run-dir", folder, "--width", width, "--height", height, "--refresh-hz", 20)
+        self.hand = self.start("hand", "--tour", self.at["tour"], "--listen", self.at["hand"], "--devices", "", "--osc",
+                               f"[::1]:{self.osc_port}")
 
     def start(self, name, *words):
         self.count += 1
@@ -80,7 +85,7 @@ class Visit:
                           "--pictures", self.folder / "pictures")
 
     def stop(self):
-        for process in (self.display, self.tour, self.node, self.farm):
+        for process in (self.hand, self.display, self.tour, self.node, self.farm):
             process.end()
 
     def status(self):
@@ -100,6 +105,14 @@ class Visit:
     def command(self, *words):
         return subprocess.run([self.bin / "cyclorama", "tour", "--tour", self.at["tour"], *words], capture_output=True, text=True)
 
+    def osc(self, address, types, *values):
+        """Sends an OSC message, as another program in the hall does."""
+        def padded(text):
+            return text.encode() + bytes(4 - len(text) % 4)
+        packet = padded(address) + padded("," + types) + struct.pack(">" + types, *values)
+        with socket.socket(socket.AF_INET6, socket.SOCK_DGRAM) as sender:
+            sender.sendto(packet, ("::1", self.osc_port))
+
     def picture(self, path):
         subprocess.run([self.bin / "cyclorama", "picture", "display", "panorama", "--watch", f"display={self.at['display']}", "--out", path],
                        check=True, capture_output=True)
@@ -111,15 +124,27 @@ def seconds_until(is_so, limit, what):
     return time.monotonic() - began
 
 
+def look_around(visit):
+    """Turns farther than any guard band reaches; the display has to show what is there."""
+    before, past = visit.gauge("heading_deg"), visit.gauge("refreshes_past_guard_band", 1)
+    until = time.monotonic() + 6
+    while time.monotonic() < until:
+        visit.osc("/cyclorama/steer", "fff", 0.0, 0.0, 1.0)
+        time.sleep(0.05)
+    turned = (visit.gauge("heading_deg") - before) % 360
+    assert turned > 60, f"turned by {turned}"
+    assert visit.gauge("refreshes_past_guard_band", 1) == past, "the picture ends before the visitor's turn"
+
+
 def lose(visit):
     """Kills the farm and starts it again. Returns the seconds until the kept picture was shown, and until a live one was."""
     shown = visit.shown()
     visit.farm.kill()
     away_s = seconds_until(lambda: visit.shown() > shown, 60, "a kept picture")
     assert "The visit goes on" in visit.status()[0]["state"], visit.status()[0]["state"]
+    look_around(visit)
     before = visit.gauge("eye_x_m")
-    went = visit.command("go", "next")
-    assert went.returncode == 0 and "to " in went.stdout, went.stderr
+    visit.osc("/cyclorama/stop", "i", 1)
     wait_until(lambda: visit.gauge("eye_x_m") != before, 20, "the next stop")
     refused = visit.command("go", "store-room")
     assert "no picture of the stop is kept" in refused.stderr, refused.stderr

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The guide leads from stop to stop while nobody steers, so that an empty room still attracts visitors. It only issues
 /// steering commands, as a visitor does; the limits of walk.h keep its motion smooth, also when a visitor takes over.
-/// On request it leads to one stop in the same way. It never cuts by itself: its state tells when a cut is due.
+/// On request it leads to one stop in the same way. It never cuts by itself: guide_cut() returns when one is due.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,10 +20,10 @@ struct GuideStop {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< (x, z) in the Scene frame.
   double heading_rad = 0.0;
   std::string name{};                       ///< Unique in its tour.
-  Duration stay = std::chrono::seconds(8);  ///< How long the guide stays there.
+  Duration stay = std::chrono::seconds(8);  ///< Time for which the guide stays there.
 };
 
-/// How to get from one stop to another, in either direction, where it is not the shortest way on foot.
+/// A way from one stop to another, in either direction, where it is not the shortest one on foot.
 struct GuideWay {
   std::size_t from = 0;
   std::size_t to = 0;

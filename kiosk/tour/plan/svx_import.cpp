@@ -18,7 +18,7 @@
 namespace cyclorama::tour {
 namespace {
 
-constexpr std::size_t kMaxParts = 10'000;  // Of any list in a document.
+constexpr std::size_t kMaxParts = 10'000;  // Limit of any list in a document.
 constexpr double kLevelDeg = 5.0;          // Pitch or roll that needs no remark.
 constexpr std::size_t kMaxRemarks = 500;
 

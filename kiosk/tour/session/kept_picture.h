@@ -23,7 +23,7 @@ struct KeptPicture {
 /// Errors: kBadData if the file is damaged, or its messages are not one complete frame.
 Result<KeptPicture> parse_kept_picture(std::string_view bytes);
 
-/// What a tour has to know to start without its farm: the scene, and the picture that its displays need.
+/// The data with which a tour starts without its farm: the scene, and the picture that its displays need.
 struct KeptVisit {
   wire::SceneDescription scene;
   wire::Panorama wanted;

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kExtension = ".picture";
 constexpr Duration kPoll = std::chrono::milliseconds(100);
-constexpr Duration kFetchTimeout = std::chrono::minutes(30);  // Of one picture, at the slowest farm.
+constexpr Duration kFetchTimeout = std::chrono::minutes(30);  // For one picture at the slowest farm.
 constexpr Duration kAfterFailure = std::chrono::seconds(10);
 constexpr std::size_t kMaxVisitBytes = std::size_t{16} << 20;
 

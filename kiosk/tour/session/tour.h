@@ -141,7 +141,7 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   /// Returns the stop itself, or the next one in steps of `step`, that can be shown now; nothing if none can.
   [[nodiscard]] std::optional<std::size_t> showable(std::size_t stop, int step) const;
   [[nodiscard]] std::optional<std::size_t> nearest_kept() const;
-  /// Tells which pictures are to be kept, and whether they may be fetched now.
+  /// Sets which pictures are to be kept, and whether they may be fetched now.
   void tend_pictures(TimePoint now);
   [[nodiscard]] wire::View view_of(const GuideStop& stop, const Projection& wanted) const;
   void show_tour(TimePoint now);
@@ -183,7 +183,7 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   std::optional<TourPlan> plan_;              ///< Empty: the stops are the scene's own.
   std::string plan_problem_;
   std::optional<Projection> wanted_;  ///< Picture that the displays needed last.
-  bool are_pictures_told_ = false;    ///< `pictures_` knows the present stops and wanted_.
+  bool are_pictures_told_ = false;    ///< `pictures_` has the present stops and wanted_.
   bool is_fetch_requested_ = false;
   std::optional<std::size_t> kept_shown_;   ///< Stop whose kept picture the displays show.
   std::unique_ptr<StopPictures> pictures_;  ///< Null: no folder is set.

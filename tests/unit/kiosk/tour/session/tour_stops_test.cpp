@@ -120,7 +120,7 @@ TEST_F(TourStops, stay_those_of_before_when_the_new_file_is_wrong) {
   tour->read_plan();
   auto list = tour->list_stops();
   EXPECT_EQ(list->stops_size(), 3);
-  EXPECT_THAT(list->problem(), HasSubstr("tour.toml:22"));
+  EXPECT_THAT(list->problem(), HasSubstr("tour.toml:23: stop[3].position_m"));
   EXPECT_THAT(list->problem(), HasSubstr("the nearest place is [9.99"));
   write(std::string("scene = \"elsewhere\"\n") + kTour);
   tour->read_plan();

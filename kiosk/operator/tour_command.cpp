@@ -2,15 +2,13 @@
 #include "kiosk/operator/tour_command.h"
 
 #include <fmt/format.h>
-#include <grpcpp/client_context.h>
 
 #include <cstdio>
 #include <filesystem>
 
 #include "common/base/file.h"
 #include "common/base/text.h"
-#include "common/wire/channel.h"
-#include "common/wire/museum.grpc.pb.h"
+#include "kiosk/operator/tour_call.h"
 #include "kiosk/tour/plan/svx_import.h"
 #include "kiosk/tour/plan/tour_folder.h"
 #include "kiosk/tour/plan/tour_plan_text.h"
@@ -18,22 +16,7 @@
 namespace cyclorama::operations {
 namespace {
 
-constexpr auto kTimeout = std::chrono::seconds(5);
 constexpr std::size_t kMaxSvxBytes = std::size_t{64} << 20;
-
-/// Calls one method of the tour. `doing` describes it in errors.
-template <typename Reply, typename Request>
-Result<Reply> call(const std::string& address, const char* doing, const Request& request,
-                   grpc::Status (wire::Tour::Stub::*method)(grpc::ClientContext*, const Request&, Reply*)) {
-  TRY_ASSIGN(const std::shared_ptr<grpc::Channel> channel, make_channel(address));
-  const auto stub = wire::Tour::NewStub(channel);
-  grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + kTimeout);
-  Reply reply;
-  const grpc::Status status = (stub.get()->*method)(&context, request, &reply);
-  if (!status.ok()) return from_grpc(status, doing);
-  return reply;
-}
 
 /// Returns the text in the language; otherwise in the tour's first language; otherwise any.
 std::string text_in(const google::protobuf::Map<std::string, std::string>& texts, const std::string& language,
@@ -80,8 +63,8 @@ Status TourCommand::run(const CLI::App& app) const {
 }
 
 Status TourCommand::show() const {
-  TRY_ASSIGN(const wire::StopList list,
-             (call<wire::StopList>(tour, "listing the stops", wire::ListStopsRequest(), &wire::Tour::Stub::ListStops)));
+  TRY_ASSIGN(const wire::StopList list, (call_tour<wire::StopList>(tour, "listing the stops", wire::ListStopsRequest(),
+                                                                   &wire::Tour::Stub::ListStops)));
   if (!list.tour_title().empty()) fmt::print("{}\n", printable(list.tour_title(), 200));
   for (int i = 0; i < list.stops_size(); ++i) {
     const wire::StopSummary& stop = list.stops(i);
@@ -104,7 +87,7 @@ Status TourCommand::go_to() const {
     request.set_name(target);
   }
   TRY_ASSIGN(const wire::GoToStopReply reply,
-             (call<wire::GoToStopReply>(tour, "going to the stop", request, &wire::Tour::Stub::GoToStop)));
+             (call_tour<wire::GoToStopReply>(tour, "going to the stop", request, &wire::Tour::Stub::GoToStop)));
   fmt::print("to {}\n", printable(reply.name()));
   return Done{};
 }
@@ -114,19 +97,19 @@ Status TourCommand::add() const {
   request.set_name(name);
   request.set_title(title);
   TRY_ASSIGN(const wire::AddStopReply reply,
-             (call<wire::AddStopReply>(tour, "adding a stop", request, &wire::Tour::Stub::AddStop)));
+             (call_tour<wire::AddStopReply>(tour, "adding a stop", request, &wire::Tour::Stub::AddStop)));
   fmt::print("added {}; 'cyclorama tour undo' removes it\n", printable(reply.name()));
   return Done{};
 }
 
 Status TourCommand::undo() const {
-  TRY(call<wire::UndoStopReply>(tour, "undoing", wire::UndoStopRequest(), &wire::Tour::Stub::UndoStop));
+  TRY(call_tour<wire::UndoStopReply>(tour, "undoing", wire::UndoStopRequest(), &wire::Tour::Stub::UndoStop));
   return Done{};
 }
 
 Status TourCommand::fetch() const {
-  TRY(call<wire::FetchPicturesReply>(tour, "fetching pictures", wire::FetchPicturesRequest(),
-                                     &wire::Tour::Stub::FetchPictures));
+  TRY(call_tour<wire::FetchPicturesReply>(tour, "fetching pictures", wire::FetchPicturesRequest(),
+                                          &wire::Tour::Stub::FetchPictures));
   fmt::print("the pictures are being fetched; 'cyclorama tour show' marks those that are kept\n");
   return Done{};
 }

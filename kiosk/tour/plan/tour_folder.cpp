@@ -38,7 +38,10 @@ Result<std::string> TourFolder::add(PlannedStop planned, const TourPlan& otherwi
   auto before = read();
   if (!before && before.error().code() != ErrorCode::kNotFound) return std::move(before).error();
   const std::string text = before ? *before : to_toml(otherwise);
-  TRY_ASSIGN(const TourPlan plan, parse_tour_plan(text, file().string(), &area));
+  TourPlan plan = otherwise;
+  if (before) {
+    TRY_ASSIGN(plan, parse_tour_plan(text, file().string(), &area));
+  }
   std::string& name = planned.stop.name;
   if (name.empty()) name = free_name(plan);
   if (!is_stop_name(name)) {

@@ -13,7 +13,9 @@ Result<std::unique_ptr<PictureFetch>> PictureFetch::start(client::FarmClientOpti
   return fetch;
 }
 
-PictureFetch::~PictureFetch() { farm_->stop(); }
+PictureFetch::~PictureFetch() {
+  if (farm_ != nullptr) farm_->stop();
+}
 
 std::optional<Result<KeptPicture>> PictureFetch::take_result() {
   const std::lock_guard lock(mutex_);

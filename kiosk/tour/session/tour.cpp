@@ -275,10 +275,14 @@ void Tour::on_dropped(std::uint64_t display, const wire::FrameDropped& dropped) 
 void Tour::on_opened(const wire::SceneDescription& scene) {
   {
     const std::lock_guard lock(mutex_);
+    const bool is_held = walk_.site.is_held;
     open(scene, SteadyClock().now());
     farm_away_.reset();
-    // From a kept picture to the live one, and to another scene, the displays fade.
-    if (std::exchange(kept_shown_, std::nullopt)) begin_cut();
+    if (is_held) {
+      // The displays fade from the kept picture to the live one. A view from before the loss is answered first, perhaps.
+      begin_cut();
+      first_live_ = first_after_cut_;
+    }
     pacer_.request_again();
   }
   inspection_.set_fact("scene", printable(scene.name()));
@@ -311,16 +315,19 @@ void Tour::on_begin(const wire::View& view) {
   wire::ShowMessage message;
   {
     const std::lock_guard lock(mutex_);
+    is_frame_outdated_ = view.number() < first_live_;
     passed_over = pacer_.began(view.number());
     message.set_cuts(view.number() >= first_after_cut_ ? cuts_ : cuts_ - 1);
   }
   log_.add_dropped("the farm went on to a newer view", passed_over);
+  if (is_frame_outdated_) return;
   log_.add_begin(view);
   *message.mutable_begin() = view;
   broadcast(std::move(message));
 }
 
 void Tour::on_tile(wire::Tile tile) {
+  if (is_frame_outdated_) return;
   log_.add_tile(tile);
   wire::ShowMessage message;
   *message.mutable_tile() = std::move(tile);
@@ -336,6 +343,7 @@ void Tour::on_end(const wire::FrameEnd& end) {
     if (end.complete()) meter_.ended(end.view_number(), now);
   }
   wake();
+  if (is_frame_outdated_) return;
   wire::ShowMessage message;
   *message.mutable_end() = end;
   const auto show_at = end.complete() ? schedule_.frame_at(now) : std::nullopt;

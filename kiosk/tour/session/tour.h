@@ -175,10 +175,12 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   TimePoint shown_at_{};
   std::string view_refused_;
 
-  std::uint64_t cuts_;                        ///< Differs from those of an earlier process.
-  std::uint64_t first_after_cut_ = 0;         ///< Number of the first view after the last cut.
-  Site scene_site_;                           ///< The scene without a curator's tour.
-  std::optional<std::string> plan_text_;      ///< The tour's file; empty: there is none.
+  std::uint64_t cuts_;                    ///< Differs from those of an earlier process.
+  std::uint64_t first_after_cut_ = 0;     ///< Number of the first view after the last cut.
+  std::uint64_t first_live_ = 0;          ///< Number of the first view since the farm's last return from an absence.
+  bool is_frame_outdated_ = false;        ///< FarmClient's thread only: the open frame is of a view before first_live_.
+  Site scene_site_;                       ///< The scene without a curator's tour.
+  std::optional<std::string> plan_text_;  ///< The tour's file; empty: there is none.
   std::optional<std::string> accepted_text_;  ///< The newest text that was a tour of the scene.
   std::optional<TourPlan> plan_;              ///< Empty: the stops are the scene's own.
   std::string plan_problem_;

@@ -194,10 +194,12 @@ wire::View Tour::view_of(const GuideStop& stop, const Projection& wanted) const 
 
 void Tour::tend_pictures(TimePoint now) {
   if (pictures_ == nullptr || !visit_) return;
-  const auto wanted = hub_.wanted();
-  if (wanted && wanted != wanted_) {
+  if (auto wanted = hub_.wanted()) {
+    // Displays come one after another, so that what they need together never shrinks; pictures would be fetched anew.
+    if (wanted_ && wanted_->viewing == wanted->viewing)
+      wanted->shape = covering(wanted_->shape, wanted->shape).value_or(wanted->shape);
+    if (wanted != wanted_) are_pictures_told_ = false;
     wanted_ = wanted;
-    are_pictures_told_ = false;
   }
   if (wanted_ && !std::exchange(are_pictures_told_, true)) {
     KeptVisit visit;

@@ -61,6 +61,14 @@ TEST_F(TourFolders, begin_with_the_scenes_stops_and_keep_what_the_curator_wrote)
   ASSERT_TRUE(parse_tour_plan(text(), "tour.toml", &*area));
 }
 
+TEST_F(TourFolders, begin_with_nothing_in_a_scene_without_stops) {
+  otherwise.stops.clear();
+  ASSERT_TRUE(add("", "", {0, 0}));
+  const auto plan = parse_tour_plan(text(), "tour.toml", &*area);
+  ASSERT_TRUE(plan) << plan.error().message();
+  EXPECT_EQ(plan->stops.size(), 1u);
+}
+
 TEST_F(TourFolders, undo_the_last_change_and_the_undoing) {
   EXPECT_EQ(folder.undo().error().code(), ErrorCode::kNotFound);
   ASSERT_TRUE(add("a", "", {0, 0}));

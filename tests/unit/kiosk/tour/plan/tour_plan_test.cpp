@@ -4,8 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <numbers>
 
+#include "common/base/file.h"
 #include "kiosk/tour/plan/tour_plan_text.h"
 
 namespace cyclorama::tour {
@@ -108,6 +111,20 @@ TEST(TourPlan, names_line_and_remedy_of_every_mistake) {
   std::string many = kHead;
   for (std::size_t i = 0; i <= kMaxPlannedStops; ++i) many += stop("s" + std::to_string(i), "[0, 0]");
   EXPECT_THAT(mistake(many), HasSubstr("at most 256"));
+}
+
+TEST(TourPlan, of_the_demo_is_one_of_its_grotto) {
+  const char* const source = std::getenv("CYCLORAMA_SOURCE");  // NOLINT(concurrency-mt-unsafe): nobody sets it.
+  const auto text =
+      read_text_file(std::filesystem::path(source != nullptr ? source : ".") / "demo/tour/tour.toml", 1 << 20);
+  ASSERT_TRUE(text) << text.error().message();
+  // The floor of every generated grotto (renderfarm/generator).
+  const auto area = WalkableArea::make(
+      {{-8.1, 0.3}, {8.1, 0.3}, {8.1, 3.1}, {0.8, 3.1}, {0.8, 4.6}, {-0.8, 4.6}, {-0.8, 3.1}, {-8.1, 3.1}});
+  ASSERT_TRUE(area);
+  const auto plan = parse_tour_plan(*text, "tour.toml", &*area);
+  ASSERT_TRUE(plan) << plan.error().message();
+  for (const PlannedStop& planned : plan->stops) EXPECT_EQ(planned.title.size(), plan->languages.size());
 }
 
 TEST(TourPlan, is_written_so_that_it_reads_the_same) {

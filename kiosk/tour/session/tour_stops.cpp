@@ -21,6 +21,8 @@ namespace {
 /// A farm that is back within this time is not noticed: the displays hold their picture.
 constexpr Duration kAway = std::chrono::seconds(2);
 constexpr double kSamePlaceM = 1e-3;
+/// Turn to each side that a kept picture allows where it is no panorama, 20 degrees: a perspective's pixels grow fast.
+constexpr double kOtherGuardRad = 0.35;
 
 Error no_scene() { return Error(ErrorCode::kUnavailable, "no scene is open yet; wait for the farm"); }
 
@@ -184,8 +186,8 @@ wire::View Tour::view_of(const GuideStop& stop, const Projection& wanted) const 
   walker.position_m = stop.position_m;
   to_wire(eye_of(walker), view.mutable_eye_m());
   view.set_heading_rad(stop.heading_rad);
-  // A panorama becomes a whole turn; other pictures grow as far as they can.
-  to_wire(with_guard_band(wanted, std::numbers::pi), view.mutable_panorama());
+  const bool is_panorama = std::holds_alternative<Panorama>(wanted.shape);
+  to_wire(with_guard_band(wanted, is_panorama ? std::numbers::pi : kOtherGuardRad), view.mutable_panorama());
   view.set_samples(static_cast<std::uint32_t>(settings_.picture.samples));
   view.set_jpeg_quality(static_cast<std::uint32_t>(settings_.picture.jpeg_quality));
   view.set_subsample_chroma(settings_.picture.subsample_chroma);

@@ -115,6 +115,7 @@ check_alive() {
   if grep -m1 "cannot load scene" "$run_dir/log/coordinator.log" >&2; then return 1; fi
 }
 
+own_scene=$scene
 if [ -z "$scene" ]; then
   scene=build/grottoes/$triangles-$seed
   mkdir -p build/grottoes
@@ -138,7 +139,9 @@ watch=(--watch "tour=$(at 2)" --watch "display=$(at 3)" --watch "tracker=$(at 4)
 
 start coordinator cyclorama-farm --scene "visit=$scene" --museums "$(at 0)" --nodes "$(at 1)" --inspect "$(at 6)"
 for i in $(seq "$nodes"); do start "node-$i" cyclorama-node --coordinator "$(at 1)" --threads 1 --name "node-$i"; done
-start tour cyclorama-tour --listen "$(at 2)" --farm "$(at 0)" "${picture[@]}"
+# The tour of the generated grotto is copied, since stops can be added to it.
+[ -n "$own_scene" ] || cp -r demo/tour "$run_dir/tour"
+start tour cyclorama-tour --listen "$(at 2)" --farm "$(at 0)" --tour "$run_dir/tour" --pictures "$run_dir/pictures" "${picture[@]}"
 start display cyclorama-display --installation "$installation" --tour "$(at 2)" --listen "$(at 3)" --run-dir "$run_dir" --width "${size%x*}" --height "${size#*x}" --refresh-hz 20
 start simulated-room cyclorama-simulated-room --installation "$installation" --run-dir "$run_dir" --listen "$(at 5)" --rate-hz 6
 start tracker cyclorama-tracker --camera "${camera:-simulated}" --tour "$(at 2)" --listen "$(at 4)"

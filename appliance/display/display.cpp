@@ -222,6 +222,7 @@ void Display::on_message(wire::ShowMessage message) {
   const ShowAt at = show_at_of(message);
   tour_clock_.heading_ready(at, now);
   HeadingNow pose{heading.heading_rad(), heading.shutter_ns(), at};
+  pose.cuts = heading.cuts();
   if (heading.has_eye_m() && from_wire(heading.eye_m()).allFinite()) {
     pose.eye_m = {heading.eye_m().x(), heading.eye_m().y(), heading.eye_m().z()};
   }

@@ -32,10 +32,12 @@ struct DisplayFrame {
   std::uint64_t order = 0;   ///< Counts frames begun by this display; a greater value is newer, whatever `number` is.
   std::uint64_t number = 0;  ///< Number of the view; 0: the display made the picture itself.
   double heading_rad = 0.0;
+  std::uint64_t cuts =
+      0;  ///< Number of cuts before this frame, as the tour counts them; another number, another place.
   Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();  ///< Eye in the Scene frame.
   std::int64_t shutter_ns = 0;                      ///< See wire::View; 0 if keys steered.
-  PictureShape shape;           ///< Shape of one eye's picture, with its guard band.
-  int stacked = 1;              ///< Number of eyes' pictures in `picture`; 2: the left eye's above the right eye's.
+  PictureShape shape;                               ///< Shape of one eye's picture, with its guard band.
+  int stacked = 1;  ///< Number of eyes' pictures in `picture`; 2: the left eye's above the right eye's.
   std::shared_ptr<const PlanarPicture> picture;
   std::shared_ptr<const std::vector<PixelRect>> parts;  ///< Valid parts of the picture; null: the whole picture.
   /// Depth of the picture; null: the picture can only be shown from its own eye.
@@ -59,6 +61,7 @@ struct HeadingNow {
   std::uint64_t order = 0;  ///< A greater value is newer.
   /// Eye in the Scene frame: x, y, z; absent: the frame's eye. An array, because headings are passed on as plain bytes.
   std::optional<std::array<double, 3>> eye_m{};
+  std::uint64_t cuts = 0;  ///< The heading applies to frames after as many cuts.
 };
 
 }  // namespace cyclorama::display

@@ -250,7 +250,7 @@ FrameAssembler::~FrameAssembler() { stream_lost(); }
 void FrameAssembler::take(wire::ShowMessage message) {
   switch (message.message_case()) {
     case wire::ShowMessage::kBegin:
-      return begin(message.begin());
+      return begin(message.begin(), message.cuts());
     case wire::ShowMessage::kTile:
       return tile(std::move(*message.mutable_tile()));
     case wire::ShowMessage::kEnd:
@@ -275,7 +275,7 @@ std::uint64_t FrameAssembler::set_heads(std::vector<HeadFootprint> heads) {
   return order_;
 }
 
-void FrameAssembler::begin(const wire::View& view) {
+void FrameAssembler::begin(const wire::View& view, std::uint64_t cuts) {
   if (current_ != nullptr) current_->fail("another frame began before its end");
   current_.reset();
   refused_number_ = view.number();
@@ -294,24 +294,26 @@ void FrameAssembler::begin(const wire::View& view) {
   DisplayFrame frame;
   frame.order = ++order_;
   frame.number = view.number();
+  frame.cuts = cuts;
   frame.heading_rad = view.heading_rad();
   frame.eye_m = from_wire(view.eye_m());
   frame.shutter_ns = view.shutter_ns();
   frame.shape = picture.shape;
   frame.stacked = picture.stacked();
   frame.begun_at = clock_.now();
-  current_ = std::make_shared<Assembly>(std::move(frame), view.depth(), parts_of(picture), pictures_, depths_, &sink_,
-                                        &clock_, in_flight_);
+  current_ = std::make_shared<Assembly>(std::move(frame), view.depth(), parts_of(picture, view.depth()), pictures_,
+                                        depths_, &sink_, &clock_, in_flight_);
 }
 
-const FrameAssembler::KnownParts& FrameAssembler::parts_of(const Projection& picture) {
+const FrameAssembler::KnownParts& FrameAssembler::parts_of(const Projection& picture, bool has_depth) {
   for (const KnownParts& known : known_parts_) {
-    if (known.picture == picture && known.mesh_cells == mesh_cells_) return known;
+    if (known.picture == picture && known.has_depth == has_depth && known.mesh_cells == mesh_cells_) return known;
   }
   if (known_parts_.size() >= kMaxKnownParts) known_parts_.erase(known_parts_.begin());
-  ShownParts parts = shown_parts(shown_.heads, picture.shape, shown_.wall);
+  // A picture without depth may be a kept one, which has to serve for a whole visit.
+  ShownParts parts = shown_parts(shown_.heads, picture.shape, shown_.wall, !has_depth);
   if (picture.stacked() == 2) parts = shown_by_both_eyes(parts, height_px(picture.shape));
-  known_parts_.push_back({picture, mesh_cells_, std::make_shared<const ShownParts>(std::move(parts)),
+  known_parts_.push_back({picture, has_depth, mesh_cells_, std::make_shared<const ShownParts>(std::move(parts)),
                           std::make_shared<const ReprojectionGrid>(picture, mesh_cells_ * kDepthCellPx)});
   return known_parts_.back();
 }

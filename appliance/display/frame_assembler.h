@@ -74,15 +74,16 @@ class FrameAssembler {
   /// Data that all frames of the same size share.
   struct KnownParts {
     Projection picture;
+    bool has_depth = false;
     int mesh_cells = 1;
     std::shared_ptr<const ShownParts> parts;
     std::shared_ptr<const ReprojectionGrid> grid;
   };
 
-  void begin(const wire::View& view);
+  void begin(const wire::View& view, std::uint64_t cuts);
   void tile(wire::Tile tile);
   void end(const wire::FrameEnd& end, const ShowAt& show_at);
-  const KnownParts& parts_of(const Projection& picture);
+  const KnownParts& parts_of(const Projection& picture, bool has_depth);
 
   DecodePool& pool_;
   FrameSink& sink_;

@@ -13,6 +13,7 @@ constexpr double kSameHeading_rad = 1e-3;
 constexpr GLsizei kWarmUpSide_px = 4;
 /// Time in which a frame that refines its predecessor replaces it.
 constexpr Duration kRefinementFade = std::chrono::milliseconds(300);
+constexpr AttractTimes kCut{Duration::zero(), std::chrono::milliseconds(800)};
 }  // namespace
 
 Presenter::Presenter(output::Output* output, PictureProgram program, const AttractTimes& times, PresentMailbox* mailbox,
@@ -22,6 +23,7 @@ Presenter::Presenter(output::Output* output, PictureProgram program, const Attra
       clock_(*clock),
       picture_program_(std::move(program)),
       attract_(output->gl(), picture_program_),
+      left_(output->gl(), picture_program_),
       fade_(times) {}
 
 Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadPlans plans, bool may_change,
@@ -93,10 +95,13 @@ Status Presenter::refresh() {
   TRY(show_due_frame(&event));
   turn_to_due_heading(&event);
   TRY(move_to_due_eye(&event));
-  TRY(fade_in(event.drawing_at));
+  TRY(fade_in(&event));
   const bool is_wrong = shift_.is_past_guard || std::abs(shift_.angle_rad) > kSameHeading_rad || mailbox_.is_failing;
   fade_.step(event.drawing_at, event.is_first_of_frame, is_wrong);
-  if (fade_.share() != drawn_share_) is_drawn_ = false;
+  if (cut_) cut_->step(event.drawing_at, true, false);
+  if (fade_.share() != drawn_share_ || cut_) is_drawn_ = false;
+  event.cut_share = cut_ ? cut_->share() : 0.0;
+  if (event.cut_share == 0.0) cut_.reset();
   if (std::unique_ptr<DisplayFrame> watched = mailbox_.panorama.take_empty()) {
     *watched = frame_ != nullptr ? *frame_ : attract_frame_;
     mailbox_.panorama.give(std::move(watched));
@@ -178,6 +183,7 @@ Status Presenter::show_due_frame(RefreshEvent* ret_event) {
     mailbox_.retired.put(std::move(frame));
   }
   if (next == nullptr) return Done{};
+  if (frame_ != nullptr && (*next)->cuts != frame_->cuts) TRY(leave_place());
   TRY(light_->take(**next));
   std::unique_ptr<DisplayFrame> old = std::exchange(frame_, std::move(*next));
   if (old != nullptr) mailbox_.retired.put(std::move(old));
@@ -197,20 +203,28 @@ Status Presenter::show_due_frame(RefreshEvent* ret_event) {
   return Done{};
 }
 
+Status Presenter::leave_place() {
+  TRY(left_.upload(*frame_));
+  left_turn_rad_ = shift_.angle_rad;
+  light_->forget();
+  cut_.emplace(kCut);
+  return Done{};
+}
+
 void Presenter::turn_to_due_heading(RefreshEvent* ret_event) {
   for (std::size_t i = 0; i < headings_.count; ++i) {
     const HeadingNow& heading = headings_.headings[i];
     if (heading.order <= heading_.order) break;
-    if (!shared_.is_due(heading.show_at)) continue;
+    if (!shared_.is_due(heading.show_at) || (frame_ != nullptr && heading.cuts != frame_->cuts)) continue;
     heading_ = heading;
     ret_event->heading_shutter_ns = heading.shutter_ns;
     ret_event->heading_due = heading.show_at;
     break;
   }
   ret_event->heading_rad = heading_.heading_rad;
-  const YawShift shift = heading_.order > 0 && frame_ != nullptr
-                             ? yaw_shift(frame_->heading_rad, heading_.heading_rad, frame_->turn_limit_rad)
-                             : YawShift{};
+  const bool is_of_frame = heading_.order > 0 && frame_ != nullptr && heading_.cuts == frame_->cuts;
+  const YawShift shift =
+      is_of_frame ? yaw_shift(frame_->heading_rad, heading_.heading_rad, frame_->turn_limit_rad) : YawShift{};
   if (shift.angle_rad != shift_.angle_rad) is_drawn_ = false;
   shift_ = shift;
   ret_event->turn_rad = shift.angle_rad;
@@ -221,7 +235,7 @@ void Presenter::turn_to_due_heading(RefreshEvent* ret_event) {
 Status Presenter::move_to_due_eye(RefreshEvent* ret_event) {
   if (frame_ == nullptr) return Done{};
   ret_event->eye_m = frame_->eye_m;
-  if (!heading_.eye_m) return Done{};
+  if (!heading_.eye_m || heading_.cuts != frame_->cuts) return Done{};
   const Eigen::Vector3d eye_now(heading_.eye_m->data());
   EyeMove move = eye_move(frame_->eye_m, frame_->heading_rad, eye_now);
   if (frame_->mesh == nullptr) move = {Eigen::Vector3d::Zero(), move.eye_m.norm() + move.missed_m};
@@ -234,10 +248,12 @@ Status Presenter::move_to_due_eye(RefreshEvent* ret_event) {
   return light_->move(*frame_, moved_);
 }
 
-Status Presenter::fade_in(TimePoint now) {
+Status Presenter::fade_in(RefreshEvent* ret_event) {
   if (!light_->is_fading()) return Done{};
   is_drawn_ = false;
-  return light_->fade(to_seconds(now - fade_began_) / to_seconds(kRefinementFade));
+  TRY(light_->fade(to_seconds(ret_event->drawing_at - fade_began_) / to_seconds(kRefinementFade)));
+  ret_event->is_fading_in = light_->is_fading();
+  return Done{};
 }
 
 Status Presenter::draw_heads() {
@@ -245,9 +261,11 @@ Status Presenter::draw_heads() {
   const Eye now = eye_at(shared_.coming());
   const TurnedPicture shown{&light_->panorama(), shift_.angle_rad};
   const TurnedPicture attract{&attract_, 0.0};  // The attract picture belongs to no heading.
+  const bool is_cut = cut_ && share == 0.0;     // Two pictures are mixed at most.
+  const TurnedPicture other = is_cut ? TurnedPicture{&left_, left_turn_rad_} : attract;
   for (std::size_t head = 0; head < heads_->count(); ++head) {
     TRY(output_.draw_to(head));
-    heads_->draw(head, shown, attract, share, now);
+    heads_->draw(head, shown, other, is_cut ? cut_->share() : share, now);
     show_watcher(head);
     step();
   }

@@ -29,10 +29,12 @@ struct PresenterState {
   HeadPlans plans;                        ///< Plans that the heads draw with, or will draw with next.
 };
 
-/// Draws the heads and shows them; runs on the present thread. On heads where the two eyes alternate, refreshes with an
-/// even number, as all displays of a tour count them (synchronised_refresh.h), show the left eye. Thread-bound to the
-/// output's GL context. After warm-up (the first frames of the largest size) it allocates and frees nothing, takes no
-/// lock, writes no log and opens nothing, apart from what the graphics driver does inside.
+/// Draws the heads and shows them; runs on the present thread. A frame of another place fades in over the place that was
+/// left, which stays as it was; headings of a place turn only its frames. On heads where the two eyes alternate,
+/// refreshes with an even number, as all displays of a tour count them (synchronised_refresh.h), show the left eye.
+/// Thread-bound to the output's GL context. After warm-up (the first frames of the largest size, and the first cut) it
+/// allocates and frees nothing, takes no lock, writes no log and opens nothing, apart from what the graphics driver does
+/// inside.
 class Presenter {
  public:
   /// Shows `attract` until a frame comes, and when frames fail. `plans` are for the output's heads, in order;
@@ -66,9 +68,10 @@ class Presenter {
   void step();
   void take_in();
   Status show_due_frame(RefreshEvent* ret_event);
+  Status leave_place();
   void turn_to_due_heading(RefreshEvent* ret_event);
   Status move_to_due_eye(RefreshEvent* ret_event);
-  Status fade_in(TimePoint now);
+  Status fade_in(RefreshEvent* ret_event);
   Status draw_heads();
   Status draw_patterns();
   void show_watcher(std::size_t head);
@@ -82,11 +85,14 @@ class Presenter {
   const Clock& clock_;
   PictureProgram picture_program_;
   PanoramaTexture attract_;
+  PanoramaTexture left_;             // The last frame of the place that a cut has left.
   std::optional<FrameLight> light_;  // Always set after make().
   std::unique_ptr<HeadTransition> heads_;
   std::unique_ptr<PatternShow> patterns_;
   std::vector<RgbaImage> read_backs_;
   AttractFade fade_;
+  std::optional<AttractFade> cut_;  // From left_ to the present place, while that lasts.
+  double left_turn_rad_ = 0.0;
   DisplayFrame attract_frame_;
   std::unique_ptr<DisplayFrame> frame_;  // Null before the first frame.
   // All frames that one refresh passes over, and the frame that it replaces, fit into RetiredFrames.

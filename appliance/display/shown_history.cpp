@@ -45,8 +45,8 @@ void ShownHistory::refreshed(const RefreshEvent& event, bool is_show) {
   now.at = event.presented.at;
   now.plans = plans_;
   // A picture for a moved eye is drawn by the graphics card alone and cannot be computed again by HeadSampler, so it is
-  // not reported.
-  if (is_show && coming_.empty() && event.moved_m == 0.0) {
+  // not reported; nor is the fade of a cut or of a refinement.
+  if (is_show && coming_.empty() && event.moved_m == 0.0 && event.cut_share == 0.0 && !event.is_fading_in) {
     if (event.attract_share >= 1.0) now.frame = attract_;
     if (event.attract_share <= 0.0) now.frame = shown_;
     if (now.frame == shown_) now.turn_rad = event.turn_rad;

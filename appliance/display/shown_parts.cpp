@@ -274,7 +274,8 @@ ShownParts shown_by_both_eyes(const ShownParts& of_one, int height_px) {
   return both;
 }
 
-ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture, const PictureShape& wall) {
+ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture, const PictureShape& wall,
+                       bool for_every_turn) {
   const double margin = margin_px(picture, wall);
   const auto parts_within = [&](double turn_limit_rad) {
     CellMap wanted(picture);
@@ -291,7 +292,7 @@ ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureSha
   if (std::isfinite(turn_limit_rad)) return parts_within(turn_limit_rad);
   ShownParts some = parts_within(kUnboundedTurn_rad);
   ShownParts all = parts_within(std::numbers::pi);
-  return static_cast<double>(area(all)) <= kHardlyMore * static_cast<double>(area(some)) ? all : some;
+  return for_every_turn || static_cast<double>(area(all)) <= kHardlyMore * static_cast<double>(area(some)) ? all : some;
 }
 
 }  // namespace cyclorama::display

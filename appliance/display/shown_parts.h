@@ -49,10 +49,11 @@ struct ShownParts {
 /// Returns the parts of a picture that some head shows while the visitor turns either way, with a margin for filters.
 /// The turn is limited to where a wall that shows the part `wall` would reach the picture's edge (turn_reach() in
 /// common/geometry/guard_band.h). For a picture without edges the limit is half a radian, because a visitor takes
-/// longer for that than a farm needs for a frame; there is no limit if all turns together show hardly more. A picture
-/// that has rows beyond the wall's is for a visitor who walks: the parts then extend by the same number of rows around
-/// what the heads show, since the picture may be moved by as much.
+/// longer for that than a farm needs for a frame; there is no limit if all turns together show hardly more, nor with
+/// `for_every_turn`, for a picture that perhaps no other follows. A picture that has rows beyond the wall's is for a
+/// visitor who walks: the parts then extend by the same number of rows around what the heads show, since the picture
+/// may be moved by as much.
 [[nodiscard]] ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture,
-                                     const PictureShape& wall);
+                                     const PictureShape& wall, bool for_every_turn = false);
 
 }  // namespace cyclorama::display

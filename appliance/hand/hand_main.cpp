@@ -45,7 +45,7 @@ void add_options(CLI::App& app, Options* options) {
   app.add_option("--devices", options->devices, "Folder of the kernel's input devices; empty: none")
       ->type_name("FOLDER")
       ->capture_default_str();
-  app.add_option("--osc", options->osc, "Listen here for /cyclorama/pose, /cyclorama/lost and /cyclorama/steer")
+  app.add_option("--osc", options->osc, "Listen here for /cyclorama/pose, /cyclorama/lost, /cyclorama/steer and /cyclorama/stop")
       ->type_name("HOST:PORT");
   app.add_option("--vrpn", options->vrpn, "Listen here for a VRPN tracker's datagrams")->type_name("HOST:PORT");
   app.add_option("--vrpn-device", options->vrpn_device, "Follow only the VRPN tracker of this name");
@@ -77,6 +77,17 @@ class SteerLink {
     told_ = command;
     told_at_ = now;
     rested_ = command.is_rest();  // If a rest command is lost, the tour stops by itself 300 ms later.
+  }
+  /// Requests a stop once. Blocks for at most kSteerDeadline. A refusal, such as of an unknown name, counts as reached.
+  void go_to(const tracker::OscStop& stop) {
+    wire::GoToStopRequest request;
+    if (const auto* const name = std::get_if<std::string>(&stop)) request.set_name(*name);
+    if (const auto* const step = std::get_if<int>(&stop)) request.set_step(*step);
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + kSteerDeadline);
+    wire::GoToStopReply reply;
+    const grpc::StatusCode code = stub_->GoToStop(&context, request, &reply).error_code();
+    reached_ = code != grpc::StatusCode::UNAVAILABLE && code != grpc::StatusCode::DEADLINE_EXCEEDED;
   }
   [[nodiscard]] bool reached() const { return reached_; }
 
@@ -145,6 +156,8 @@ Status run(const Options& options, const StopSignal& stop) {
       osc_command_at = now;
     }
     inputs.update(now);
+    if (heard.stop) steer.go_to(*heard.stop);
+    if (const int steps = inputs.take_steps(); steps != 0) steer.go_to(steps > 0 ? 1 : -1);
     input::InputCommand command = inputs.command(now);
     // As with keys, a command ends once its sender has been silent for a while.
     if (command.is_rest() && now - osc_command_at < std::chrono::milliseconds(300)) command = osc_command;
@@ -177,7 +190,7 @@ Status run(const Options& options, const StopSignal& stop) {
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-hand",
                              "Steers the tour by gamepad, keyboard or 3D mouse, and by poses that other trackers send "
-                             "(OSC, VRPN).");
+                             "(OSC, VRPN); leads to the tour's stops by their buttons or OSC.");
   cyclorama::hand::Options options;
   cyclorama::hand::add_options(program.options(), &options);
   return program.run(argc, argv,

@@ -3,8 +3,6 @@
 
 #include <utility>
 
-#include "appliance/tracker/interchange/osc_pose.h"
-
 namespace cyclorama::hand {
 namespace {
 
@@ -45,6 +43,7 @@ ReceivedPoses PoseListener::take(TimePoint now) {
     }
     for (const tracker::OscMessage& message : *messages) {
       if (const auto pose = tracker::pose_from_osc(message)) add(*pose, now, &heard);
+      if (auto stop = tracker::stop_from_osc(message)) heard.stop = std::move(stop);
       if (const auto steer = tracker::steer_from_osc(message)) heard.steer = steer;
     }
   }

@@ -7,16 +7,18 @@
 #include <vector>
 
 #include "appliance/tracker/interchange/datagram.h"
+#include "appliance/tracker/interchange/osc_pose.h"
 #include "appliance/tracker/interchange/pose_report.h"
 #include "appliance/tracker/interchange/vrpn.h"
 #include "common/base/clock.h"
 
 namespace cyclorama::hand {
 
-/// Messages of other programs: poses that replace those of Cyclorama's tracker, and steering commands.
+/// Messages of other programs: poses that replace those of Cyclorama's tracker, steering commands, and requests for stops.
 struct ReceivedPoses {
   std::vector<tracker::PoseReport> poses;
   std::optional<std::array<double, 3>> steer;  ///< The newest command: forward, right, turn.
+  std::optional<tracker::OscStop> stop;        ///< The newest request for a stop.
 };
 
 /// Listens to OSC at one port and to VRPN at another. If several sensors send poses, the first keeps control until it

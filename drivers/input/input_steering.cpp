@@ -23,6 +23,22 @@ bool has(const InputDescription& description, std::initializer_list<int> axes) {
   return std::all_of(axes.begin(), axes.end(), [&](int axis) { return description.absolute.contains(axis); });
 }
 
+struct StepKeys {
+  int next;
+  int previous;
+};
+StepKeys step_keys(InputKind kind) {
+  switch (kind) {
+    case InputKind::kGamepad:
+      return {BTN_TR, BTN_TL};
+    case InputKind::kKeyboard:
+      return {KEY_PAGEDOWN, KEY_PAGEUP};
+    case InputKind::kSpaceMouse:
+      break;
+  }
+  return {BTN_1, BTN_0};
+}
+
 }  // namespace
 
 std::optional<InputKind> kind_of(const InputDescription& description) {
@@ -51,7 +67,11 @@ void InputSteering::take(const InputEvent& event, TimePoint at) {
   switch (event.type) {
     case EV_KEY:
       if (event.value == 0) pressed_.erase(event.code);
-      if (event.value != 0 && description_.keys.contains(event.code)) pressed_.insert(event.code);
+      if (event.value != 0 && description_.keys.contains(event.code)) {
+        const bool is_new = pressed_.insert(event.code).second;
+        if (is_new && event.code == step_keys(kind_).next) ++steps_;
+        if (is_new && event.code == step_keys(kind_).previous) --steps_;
+      }
       break;
     case EV_ABS:
       if (description_.absolute.contains(event.code)) absolute_[event.code] = event.value;

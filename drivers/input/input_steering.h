@@ -6,6 +6,9 @@
 ///   right      left stick right   D / A                pushed to the right
 ///   turn       right stick right  Right, E / Left, Q   twisted clockwise
 ///
+///   next       right shoulder     Page Down            right button           of the tour's stops
+///   previous   left shoulder      Page Up              left button            (presenters' clickers are keyboards)
+///
 /// Event codes are those of linux/input-event-codes.h. Nothing here accesses a device.
 #pragma once
 
@@ -66,6 +69,8 @@ class InputSteering {
   /// Updates the state; events without a meaning for steering are ignored.
   void take(const InputEvent& event, TimePoint at);
   [[nodiscard]] InputCommand command(TimePoint now) const;
+  /// Returns how often "next" was pressed since the last call, less how often "previous" was. Holding a key counts once.
+  [[nodiscard]] int take_steps() { return std::exchange(steps_, 0); }
 
   /// Time after which a relative axis counts as released: a 3D mouse that reports relative axes sends no event on
   /// release.
@@ -83,6 +88,7 @@ class InputSteering {
   InputKind kind_;
   InputDescription description_;
   std::set<int> pressed_;
+  int steps_ = 0;
   std::map<int, std::int32_t> absolute_;
   std::map<int, Moved> relative_;
 };

@@ -72,6 +72,12 @@ InputCommand InputWatch::command(TimePoint now) const {
   return {limited(sum.forward), limited(sum.right), limited(sum.turn)};
 }
 
+int InputWatch::take_steps() {
+  int steps = 0;
+  for (auto& [path, open] : open_) steps += open.steering.take_steps();
+  return steps;
+}
+
 std::vector<std::string> InputWatch::sentences() const {
   std::vector<std::string> sentences;
   for (const auto& [path, open] : open_)

@@ -40,6 +40,8 @@ class InputWatch {
   /// Reads pending events and scans for devices every kLook. Call it about every 10 ms; does not block.
   void update(TimePoint now);
   [[nodiscard]] InputCommand command(TimePoint now) const;
+  /// Returns InputSteering::take_steps() of all devices together.
+  [[nodiscard]] int take_steps();
   /// State in sentences for people: "gamepad 'Pad 3'", or a device that cannot be opened, with the reason.
   [[nodiscard]] std::vector<std::string> sentences() const;
   [[nodiscard]] std::size_t open_count() const { return open_.size(); }

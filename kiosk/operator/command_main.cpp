@@ -21,6 +21,7 @@
 #include "kiosk/operator/status_json.h"
 #include "kiosk/operator/status_table.h"
 #include "kiosk/operator/summary.h"
+#include "kiosk/operator/tour_command.h"
 #include "kiosk/operator/update_command.h"
 #include "kiosk/operator/wand_command.h"
 
@@ -42,6 +43,7 @@ struct Options {
   DoctorCommand doctor;
   UpdateCommand update;
   HoursCommand hours;
+  TourCommand tour;
   int exit_code = kExitOk;  // Exit code of a command that succeeded.
   CalibrateCameraCommand calibrate_camera;
 };
@@ -83,6 +85,7 @@ void add_options(CLI::App& app, Options* options) {
   options->realign.add_to(&app);
   options->update.add_to(&app);
   options->hours.add_to(&app);
+  options->tour.add_to(&app);
   add_watches(*options->doctor.add_to(&app), options);
   options->calibrate_camera.add_to(&app);
 }
@@ -179,6 +182,7 @@ Status run(Options& options, const CLI::App& app, const StopSignal& stop) {
   if (app.got_subcommand("realign")) return options.realign.run();
   if (app.got_subcommand("update")) return options.update.run(stop);
   if (app.got_subcommand("hours")) return options.hours.run(std::chrono::system_clock::now());
+  if (app.got_subcommand("tour")) return options.tour.run(app);
   const bool is_doctor = app.got_subcommand("doctor");
   const bool is_usual = is_doctor || app.got_subcommand("status");
   if (is_usual && options.watches.empty() && !options.endpoints) options.watches = usual_watches();

@@ -89,6 +89,8 @@ Status run(const Options& options, const StopSignal& stop) {
   if (access.certificate) museum.fingerprint = access.certificate->fingerprint;
   PageExtras extras;
   if (options.museum) extras.museum = &museum;
+  for (const Endpoint& endpoint : endpoints)
+    if (endpoint.name == "tour") extras.tour = endpoint.address;
   extras.sessions = access.sessions.get();
   extras.tls = access.tls ? &*access.tls : nullptr;
   TRY_ASSIGN(const std::unique_ptr<PageServer> page, PageServer::start(options.listen, &watch, extras));

@@ -10,6 +10,7 @@
 #include "kiosk/operator/page_files.h"
 #include "kiosk/operator/page_gate.h"
 #include "kiosk/operator/status_json.h"
+#include "kiosk/operator/stop_routes.h"
 
 namespace cyclorama::operations {
 namespace {
@@ -57,6 +58,7 @@ Result<std::unique_ptr<PageServer>> PageServer::start(const std::string& address
     serve_page(server, page_files());
     serve_state(server, watch);
     serve_steering(server, watch);
+    if (!extras.tour.empty()) serve_stops(server, extras.tour);
     if (extras.museum != nullptr) serve_museum(server, extras.museum);
   };
   TRY_ASSIGN(auto server, HttpServer::start(address, HttpLimits{}, routes,

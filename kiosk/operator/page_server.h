@@ -7,7 +7,7 @@
 ///   GET  /metrics                    metrics.h
 ///   GET  /door                       {"checks": []}: why nobody can log in yet; needs no PIN (login_checks.h)
 ///   POST /steer                      {"forward", "right", "turn"} as application/json; 204
-///   and the requests of museum_routes.h.
+///   and the requests of museum_routes.h and stop_routes.h.
 ///
 /// Errors are {"error": sentence} with 400, 401 (no PIN was entered: page_gate.h), 403, 404, 413, 415, 421, 429, 502
 /// (the process is away) or 504 (it hangs).
@@ -24,11 +24,12 @@
 
 namespace cyclorama::operations {
 
-/// A page's parts besides the watched processes. All are borrowed, and each may be null.
+/// A page's parts besides the watched processes. Pointers are borrowed, and each may be null.
 struct PageExtras {
   MuseumServices* museum = nullptr;
   Sessions* sessions = nullptr;  ///< Null: no PIN; for this computer only.
   const HttpTls* tls = nullptr;
+  std::string tour;  ///< Address of the tour; empty: none is watched.
 };
 
 /// Serves the page. Threading and limits are those of HttpServer. Thread-bound.

@@ -15,6 +15,7 @@
 #include "common/wand/wand.h"
 #include "kiosk/provision/folder_check.h"
 #include "kiosk/provision/operator_settings.h"
+#include "kiosk/tour/plan/tour_folder.h"
 #include "kiosk/tour/session/tour_settings.h"
 #include "kiosk/update/update_settings.h"
 
@@ -58,6 +59,7 @@ class MuseumChecker {
       if (!hours && hours.error().message() == settings.error().message()) return;  // The mistake is reported once.
       return check_.problem(settings.error().message());
     }
+    check_tour(settings->tour_folder);
     const auto update = update::read_update_settings(check_.in("site.toml"));
     if (!update && hours) check_.problem(update.error().message());
     check_.verdict().museum = settings->museum;
@@ -77,6 +79,17 @@ class MuseumChecker {
           "site.toml names no certificate, so the link to the farm is not encrypted, and most farms refuse it; "
           "unpack the museum's bundle of cyclorama-authority beside it and name its files in [farm]");
     }
+  }
+
+  /// Checks the tour that [tour] names; only a visit can tell whether its stops are in the scene.
+  void check_tour(const fs::path& folder) {
+    if (folder.empty()) return;
+    const tour::TourFolder curated(folder);
+    if (!check_.is_ours(curated.file(), "site.toml [tour] folder")) return;
+    const auto text = curated.read();
+    const auto plan =
+        text ? tour::parse_tour_plan(*text, curated.file().string()) : Result<tour::TourPlan>(text.error());
+    if (!plan) check_.problem(plan.error().message());
   }
 
   /// Checks the files that [display] names; the display checks the table itself.

@@ -32,6 +32,8 @@ struct Options {
   std::optional<int> quality;
   std::optional<double> guard_deg;
   std::optional<std::string> state;
+  std::optional<std::string> tour;
+  std::optional<std::string> pictures;
   std::optional<std::string> record;
   std::optional<std::string> replay;
   bool is_check = false;
@@ -60,6 +62,12 @@ void add_options(CLI::App& app, Options* options) {
   app.add_option("--state", options->state,
                  "Save the visitor's position in this folder, and continue there after a restart")
       ->type_name("FOLDER");
+  app.add_option("--tour", options->tour,
+                 "Folder of a curator's tour, where site.toml names none in [tour]; it need not exist yet")
+      ->type_name("FOLDER");
+  app.add_option("--pictures", options->pictures,
+                 "Keep pictures of the stops in this folder, for the time when the farm is away")
+      ->type_name("FOLDER");
   app.add_option("--record", options->record,
                  "Write the walk, every pose, key and step with its time, to this new file")
       ->type_name("FILE");
@@ -80,8 +88,22 @@ Result<TourSettings> settings_of(const Options& options) {
   if (options.budget_ms) settings.picture.frame_budget_ms = *options.budget_ms;
   if (options.samples) settings.picture.samples = *options.samples;
   if (options.quality) settings.picture.jpeg_quality = *options.quality;
+  if (options.tour && settings.tour_folder.empty()) settings.tour_folder = *options.tour;
+  if (options.pictures && settings.keep_bytes > 0) settings.pictures_folder = *options.pictures;
   if (options.guard_deg) settings.picture.guard_rad = *options.guard_deg * std::numbers::pi / 180.0;
   return settings;
+}
+
+/// Errors: those of parse_tour_plan(), if the folder has a tour. Its positions are checked when a scene is open.
+Status check_tour(const std::filesystem::path& folder) {
+  if (folder.empty()) return Done{};
+  const TourFolder tour(folder);
+  const auto text = tour.read();
+  if (!text && text.error().code() == ErrorCode::kNotFound) return Done{};
+  if (!text) return text.error();
+  const auto plan = parse_tour_plan(*text, tour.file().string());
+  if (!plan) return plan.error();
+  return Done{};
 }
 
 /// The file of the recorded walk. A full disk ends the recording, not the visit.
@@ -164,7 +186,7 @@ Status replay(const std::string& path) {
 Status run(const Options& options, const StopSignal& stop) {
   if (options.replay) return replay(*options.replay);
   TRY_ASSIGN(TourSettings settings, settings_of(options));
-  if (options.is_check) return Done{};
+  if (options.is_check) return check_tour(settings.tour_folder);
   RecordFile record;
   if (options.record) {
     TRY_ASSIGN(record, RecordFile::open(*options.record));
@@ -174,7 +196,7 @@ Status run(const Options& options, const StopSignal& stop) {
   settings.resume = position.read();
   InspectionService inspection("tour");
   TRY_ASSIGN(const std::unique_ptr<Tour> tour, Tour::start(std::move(settings), &inspection));
-  TourService service(tour->displays(), tour.get());
+  TourService service(tour->displays(), tour.get(), tour.get());
   TRY_ASSIGN(const std::unique_ptr<WireServer> server, WireServer::start(options.listen, {&service, &inspection}));
   log(LogLevel::kNotice, fmt::format("the tour listens on {} (port {})", options.listen, server->port()));
   Notify notify;
@@ -184,6 +206,7 @@ Status run(const Options& options, const StopSignal& stop) {
     if (tour->rounds() != rounds) notify.keep_alive(SteadyClock().now());
     rounds = tour->rounds();
     notify.status(inspection.status().state());
+    tour->read_plan();
     record.write(tour->take_recording());
     position.write(tour->position());
   }

@@ -13,7 +13,7 @@
 namespace cyclorama::client {
 namespace {
 constexpr Duration kFirstRetry = std::chrono::milliseconds(100);
-constexpr Duration kMaxRetryDelay = std::chrono::seconds(2);
+constexpr Duration kMaxRetryDelay = std::chrono::milliseconds(500);
 }  // namespace
 
 /// The call of one session. The farm thread reads from it; the views thread writes to it.

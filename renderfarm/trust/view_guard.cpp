@@ -108,7 +108,7 @@ Status ViewGuard::check(const wire::View& view, TimePoint now) {
         fmt::format("view.panorama has {:.0f} pixels per radian; this farm allows at most {:.0f}", fine, kMaxPxPerRad));
   }
   const bool is_jump = std::ranges::any_of(jumps_, [&](const Point& jump) { return distance(eye, jump) <= kMarginM; });
-  const double walked = has_moved_ ? distance(eye, last_) : 0.0;
+  const double walked = has_moved_ ? std::min(distance(eye, last_), scale_ * kPaceReserveM) : 0.0;
   has_moved_ = true;
   last_ = eye;
   if (is_jump || pace_.take(walked, now) <= now) return Done{};

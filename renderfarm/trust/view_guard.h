@@ -20,7 +20,9 @@ namespace cyclorama::trust {
 /// freer their eyes, the better geometry can be reconstructed from them. One guard per session. A value; thread-bound.
 ///
 /// An eye must be in the walkable area (or within kMarginM of it, which allows for rounding and predictions), at the
-/// height of the start and the stops, and move at a walking pace; only jumps to the start or to a stop may be faster.
+/// height of the start and the stops, and move at a walking pace. Only jumps to the start or to a stop of the scene may
+/// be faster, and a jump elsewhere, as between stops of a museum's own tour, after a rest: it takes the whole reserve,
+/// but no more, and shows no more places than a walk does in the same time.
 /// Two eyes are at most as far apart as people's, and a pixel is no finer than an eye resolves.
 class ViewGuard {
  public:

@@ -34,6 +34,7 @@ class FakeDisplay {
     bool ended = false;
     bool complete = false;
     std::optional<wire::ShowAt> show_at;
+    std::uint64_t cuts = 0;
   };
 
   explicit FakeDisplay(const std::string& tour, const Panorama& wanted = fake_wall(), bool reports = true)
@@ -148,7 +149,7 @@ class FakeDisplay {
       // number.
       if (!frames_.empty() && message.begin().number() < frames_.back().view.number())
         wrongs_.push_back("an older frame");
-      frames_.push_back({message.begin(), 0, 0, false, false, {}});
+      frames_.push_back({message.begin(), 0, 0, false, false, {}, message.cuts()});
     } else if (message.has_tile()) {
       if (!open || frames_.back().view.number() != message.tile().view_number()) {
         wrongs_.push_back("a tile of another frame");

@@ -40,6 +40,11 @@ class FakeProcess final : public wire::Tour::Service {
 
   [[nodiscard]] std::string address() const { return "[::1]:" + std::to_string(server_->port()); }
   [[nodiscard]] int port() const { return server_->port(); }
+  /// Requests for stops, as text: "+1", "-1", or a name.
+  [[nodiscard]] std::vector<std::string> gone_to() const {
+    const std::lock_guard lock(mutex_);
+    return gone_to_;
+  }
   [[nodiscard]] std::vector<wire::SteerRequest> steered() const {
     const std::lock_guard lock(mutex_);
     return steered_;
@@ -53,8 +58,30 @@ class FakeProcess final : public wire::Tour::Service {
     steered_.push_back(*request);
     return grpc::Status::OK;
   }
+  grpc::Status ListStops(grpc::ServerContext*, const wire::ListStopsRequest*, wire::StopList* reply) override {
+    reply->set_tour_title("A tour");
+    reply->add_languages("de");
+    reply->set_at(0);
+    wire::StopSummary* const stop = reply->add_stops();
+    stop->set_name("well");
+    (*stop->mutable_titles())["de"] = "Brunnen";
+    (*stop->mutable_titles())["en"] = "Well";
+    return grpc::Status::OK;
+  }
+  grpc::Status GoToStop(grpc::ServerContext*, const wire::GoToStopRequest* request,
+                        wire::GoToStopReply* reply) override {
+    const std::lock_guard lock(mutex_);
+    gone_to_.push_back(request->has_name() ? request->name() : request->step() > 0 ? "+1" : "-1");
+    if (request->name() == "cellar") return {grpc::StatusCode::NOT_FOUND, "no stop has this name"};
+    reply->set_name("well");
+    return grpc::Status::OK;
+  }
+  grpc::Status UndoStop(grpc::ServerContext*, const wire::UndoStopRequest*, wire::UndoStopReply*) override {
+    return grpc::Status::OK;
+  }
   mutable std::mutex mutex_;
   std::vector<wire::SteerRequest> steered_;
+  std::vector<std::string> gone_to_;
   std::unique_ptr<WireServer> server_;
 };
 

@@ -79,10 +79,10 @@ appliance/tracker: appliance/calibration appliance/tags common/base common/confi
 appliance/warp: common/base common/geometry common/image common/room
 
 kiosk/operator: common/base common/board common/config common/http common/image common/opening common/process
-    common/wand common/wire kiosk/provision kiosk/update
+    common/wand common/wire kiosk/provision kiosk/tour kiosk/update
 kiosk/provision: common/base common/config common/image common/opening common/process common/room common/wand
     common/wire kiosk/tour kiosk/update
-kiosk/tour: common/base common/config common/geometry common/process common/wire renderfarm/client
+kiosk/tour: common/base common/config common/geometry common/json common/process common/wire renderfarm/client
 kiosk/update: common/base common/config common/opening common/process common/update common/wire kiosk/tour
     renderfarm/client
 

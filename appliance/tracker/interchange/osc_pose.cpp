@@ -12,6 +12,7 @@ namespace {
 constexpr std::string_view kPose = "/cyclorama/pose";
 constexpr std::string_view kLost = "/cyclorama/lost";
 constexpr std::string_view kSteer = "/cyclorama/steer";
+constexpr std::string_view kStop = "/cyclorama/stop";
 constexpr std::size_t kPoseArguments = 10;
 constexpr std::size_t kLostArguments = 3;
 
@@ -68,6 +69,14 @@ std::optional<PoseReport> pose_from_osc(const OscMessage& message) {
   std::copy_n(numbers.begin() + 3, report.position_m.size(), report.position_m.begin());
   std::copy_n(numbers.begin() + 6, report.rotation.size(), report.rotation.begin());
   return report;
+}
+
+std::optional<OscStop> stop_from_osc(const OscMessage& message) {
+  if (message.address != kStop || message.arguments.size() != 1) return std::nullopt;
+  if (const auto* const name = std::get_if<std::string>(&message.arguments.front())) return *name;
+  const auto step = message.number(0);
+  if (!step || (*step != 1.0 && *step != -1.0)) return std::nullopt;
+  return static_cast<int>(*step);
 }
 
 std::optional<std::array<double, 3>> steer_from_osc(const OscMessage& message) {

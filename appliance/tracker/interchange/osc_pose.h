@@ -4,6 +4,7 @@
 ///   /cyclorama/pose   i sensor  h sequence  h time_ns  d x y z (metres)  d qw qx qy qz
 ///   /cyclorama/lost   i sensor  h sequence  h time_ns
 ///   /cyclorama/steer  forward right turn, each -1 to 1                    for example from sliders on a telephone
+///   /cyclorama/stop   1, -1 or a name                                     the next, previous or named stop of the tour
 ///
 /// Numbers of any type are accepted; messages with missing or additional arguments, or with another address, are
 /// ignored.
@@ -11,6 +12,8 @@
 
 #include <array>
 #include <optional>
+#include <string>
+#include <variant>
 
 #include "appliance/tracker/interchange/osc.h"
 #include "appliance/tracker/interchange/pose_report.h"
@@ -19,6 +22,9 @@ namespace cyclorama::tracker {
 
 [[nodiscard]] OscMessage to_osc(const PoseReport& report);
 [[nodiscard]] std::optional<PoseReport> pose_from_osc(const OscMessage& message);
+/// The number of stops to go on, 1 or -1, or a stop's name.
+using OscStop = std::variant<int, std::string>;
+[[nodiscard]] std::optional<OscStop> stop_from_osc(const OscMessage& message);
 /// Returns forward, right, turn; clamped to [-1, 1].
 [[nodiscard]] std::optional<std::array<double, 3>> steer_from_osc(const OscMessage& message);
 

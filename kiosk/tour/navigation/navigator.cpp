@@ -4,11 +4,14 @@
 #include <cmath>
 #include <utility>
 
+#include "common/geometry/panorama.h"
+
 namespace cyclorama::tour {
 namespace {
 
 constexpr double kMaxTagDistanceM = 50.0;
 constexpr double kMinCommand = 1e-3;
+constexpr double kArrivedRad = 0.01;  // A visitor who is led has arrived when this is left to turn.
 
 bool held(const std::optional<TimePoint>& since, Duration how_long, TimePoint now) {
   return since && now - *since <= how_long;
@@ -39,6 +42,7 @@ SteeringSource steerer_at(const Navigation& state, const NavigationSettings& set
   const bool tag = held(state.tag_seen_at, kTagHeld, now);
   const Duration timeout = settings.guide_after * (tag ? kQuietTagTimeoutFactor : 1);
   const bool asked = tag && !state.tag_command.is_rest();
+  if (state.guide.is_led && !asked) return SteeringSource::kGuide;
   if (!asked && has_guide && state.steered_at && now - *state.steered_at > timeout) return SteeringSource::kGuide;
   return tag ? SteeringSource::kTag : SteeringSource::kNobody;
 }
@@ -112,6 +116,26 @@ Navigation with_keys(Navigation state, const SteeringCommand& command, TimePoint
   return state;
 }
 
+Navigation led(Navigation state, const Site& site, std::size_t stop, TimePoint now) {
+  state.guide = led_to(site, state.walker, stop, now);
+  state.stop = stop;
+  state.steered_at = now;
+  return state;
+}
+
+Navigation cut(Navigation state, const Site& site, std::size_t stop, TimePoint now) {
+  state.walker = {};
+  state.walker.position_m = site.stops[stop].position_m;
+  state.walker.heading_rad = site.stops[stop].heading_rad;
+  if (state.steering_source != SteeringSource::kGuide) state.steered_at = now;
+  state.guide = {};
+  state.guide.started = state.guide.dwelling = true;
+  state.guide.stop = stop;
+  state.guide.since = now;
+  state.stop = stop;
+  return state;
+}
+
 Navigation advanced(Navigation state, const Site& site, const NavigationSettings& settings, TimePoint now) {
   if (!state.steered_at) state.steered_at = now;
   if (!state.advanced_at) state.advanced_at = now;
@@ -137,8 +161,16 @@ Navigation advanced(Navigation state, const Site& site, const NavigationSettings
   if (state.steering_source != SteeringSource::kGuide) {
     state.guide = {};
     if (!command.is_rest()) state.steered_at = now;
+  } else if (state.guide.dwelling) {
+    state.stop = state.guide.stop;
+    const double left_rad = wrapped_angle(site.stops[state.guide.stop].heading_rad - state.walker.heading_rad);
+    if (state.guide.is_led && std::abs(left_rad) < kArrivedRad) state.guide = {};
   }
-  state.walker = walked(state.walker, command, elapsed, settings.limits, site.walking_scale, site.area.get());
+  command.forward *= site.pace;
+  command.right *= site.pace;
+  command.turn *= site.turn_pace;
+  const WalkableArea* const area = site.is_held ? nullptr : site.area.get();
+  state.walker = walked(state.walker, command, elapsed, settings.limits, site.walking_scale, area);
   return state;
 }
 

@@ -7,6 +7,7 @@
 /// machine.
 ///
 ///       keys pressed ───────────────► kKeys     wins while pressed; each request holds for kKeysHeld
+///       led to a stop on request ───► kGuide    until it is reached, or keys or a tag steer
 ///       tag seen within kTagHeld ───► kTag      wand_choice.h has chosen between several trackers before
 ///       nobody for guide_after ─────► kGuide    never while a tag is in sight, unless it lies still very long
 ///       otherwise ──────────────────► kNobody   glides to rest
@@ -73,6 +74,7 @@ struct Navigation {
   std::optional<TimePoint> turn_began_at;
   std::optional<TimePoint> turn_ended_at;  ///< Set during a pause.
   GuideState guide;
+  std::optional<std::size_t> stop;  ///< Stop that was reached last, or that the visitor is led to.
 };
 
 /// Returns the time left in the visitor's turn; nothing without a limit or a turn. Negative during the pause.
@@ -92,6 +94,12 @@ struct Navigation {
 
 /// Applies a request from the keys; a request to rest releases the keys at once.
 [[nodiscard]] Navigation with_keys(Navigation state, const SteeringCommand& command, TimePoint arrived_at);
+
+/// Leads the visitor to a stop on request. Preconditions as for led_to() in guide.h.
+[[nodiscard]] Navigation led(Navigation state, const Site& site, std::size_t stop, TimePoint now);
+
+/// Puts the visitor at a stop, at rest. Precondition: site.area is set, stop < site.stops.size().
+[[nodiscard]] Navigation cut(Navigation state, const Site& site, std::size_t stop, TimePoint now);
 
 /// Advances to `now`; a time before the last one changes nothing. `site` must be the site that was passed to started().
 [[nodiscard]] Navigation advanced(Navigation state, const Site& site, const NavigationSettings& settings,

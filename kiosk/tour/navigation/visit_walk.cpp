@@ -24,6 +24,7 @@ struct Apply {
     walker.position_m =
         walk.site.area == nullptr ? walk.site.start.position_m : walk.site.area->nearest_allowed(walker.position_m);
     walk.navigation.guide = {};
+    walk.navigation.stop.reset();  // The scene may have come back with other stops.
   }
   void operator()(const PoseSeen& seen) const {
     if (!walk.trackers[seen.tracker].is_news(seen.sequence, seen.shutter_ns, at)) return;
@@ -39,12 +40,39 @@ struct Apply {
   void operator()(const KeysPressed& keys) const {
     if (walk.open) walk.navigation = with_keys(std::move(walk.navigation), keys.command, at);
   }
+  void operator()(const LedToStop& led_to) const {
+    if (can_go_to(walk, led_to.stop)) walk.navigation = led(std::move(walk.navigation), walk.site, led_to.stop, at);
+  }
+  void operator()(const CutToStop& cut_to) const {
+    if (can_go_to(walk, cut_to.stop)) walk.navigation = cut(std::move(walk.navigation), walk.site, cut_to.stop, at);
+  }
+  void operator()(const Held&) const {
+    walk.site.is_held = true;
+    walk.navigation.guide = {};
+  }
   void operator()(const Tick&) const {
     if (walk.open) walk.navigation = advanced(std::move(walk.navigation), walk.site, settings, at);
   }
 };
 
 }  // namespace
+
+bool can_go_to(const VisitWalk& walk, std::size_t stop) {
+  return walk.open && walk.site.area != nullptr && stop < walk.site.stops.size();
+}
+
+WalkEvent way_to(const VisitWalk& walk, std::size_t stop) {
+  if (needs_cut(walk.site, walk.navigation.walker, stop)) return CutToStop{stop};
+  return LedToStop{stop};
+}
+
+std::optional<std::size_t> stop_after(const VisitWalk& walk, int step) {
+  const auto count = static_cast<int>(walk.site.stops.size());
+  if (count == 0) return std::nullopt;
+  if (!walk.navigation.stop) return nearest_stop(walk.site, walk.navigation.walker);
+  const int next = (static_cast<int>(*walk.navigation.stop) + step % count + count) % count;
+  return static_cast<std::size_t>(next);
+}
 
 VisitWalk after(VisitWalk walk, const WalkEvent& event, TimePoint at, const NavigationSettings& settings) {
   std::visit(Apply{walk, at, settings}, event);

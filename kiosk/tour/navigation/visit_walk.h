@@ -37,9 +37,19 @@ struct TrackerLeft {
 struct KeysPressed {
   SteeringCommand command;
 };
+/// The visitor is to be led to a stop.
+struct LedToStop {
+  std::size_t stop = 0;
+};
+/// The picture was cut to a stop.
+struct CutToStop {
+  std::size_t stop = 0;
+};
+/// From now on, until the scene opens again, only kept pictures of stops can be shown.
+struct Held {};
 /// Time passed.
 struct Tick {};
-using WalkEvent = std::variant<SceneOpened, PoseSeen, TrackerLeft, KeysPressed, Tick>;
+using WalkEvent = std::variant<SceneOpened, PoseSeen, TrackerLeft, KeysPressed, LedToStop, CutToStop, Held, Tick>;
 
 /// A value.
 struct VisitWalk {
@@ -50,6 +60,14 @@ struct VisitWalk {
   WandSelector choice;
   std::map<std::uint64_t, PoseOrder> trackers;
 };
+
+/// Returns the event that brings the visitor to a stop. Precondition: can_go_to().
+[[nodiscard]] WalkEvent way_to(const VisitWalk& walk, std::size_t stop);
+/// True if the walk has such a stop, and an area to stand in.
+[[nodiscard]] bool can_go_to(const VisitWalk& walk, std::size_t stop);
+/// Returns the stop that is `step` stops after the one that the visitor reached last, or is led to; the nearest one if
+/// there was none. After the last comes the first. Nothing without stops.
+[[nodiscard]] std::optional<std::size_t> stop_after(const VisitWalk& walk, int step);
 
 /// Returns the walk after `event`, which arrived at `at`. If the same scene opens again, the position is kept as far as
 /// the walkable area still allows it.

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::string_view kTitle = "cyclorama-walk 2";
+constexpr std::string_view kTitle = "cyclorama-walk 3";
 constexpr std::size_t kMaxNameBytes = 200;
 constexpr std::size_t kMaxStops = 1024;
 constexpr std::int64_t kMaxTimeNs = 3'200'000'000'000'000'000;
@@ -52,8 +52,14 @@ struct Write {
     }
     fmt::format_to(std::back_inserter(text), " {}", site.stops.size());
     for (const GuideStop& stop : site.stops)
-      fmt::format_to(std::back_inserter(text), " {} {} {}", stop.position_m.x(), stop.position_m.y(), stop.heading_rad);
-    return text;
+      fmt::format_to(std::back_inserter(text), " {} {} {} {}", stop.position_m.x(), stop.position_m.y(),
+                     stop.heading_rad, nanoseconds(stop.stay));
+    fmt::format_to(std::back_inserter(text), " {}", site.ways.size());
+    for (const GuideWay& way : site.ways) {
+      fmt::format_to(std::back_inserter(text), " {} {} {:d} {}", way.from, way.to, way.is_cut, way.through.size());
+      for (const Vector2d& p : way.through) fmt::format_to(std::back_inserter(text), " {} {}", p.x(), p.y());
+    }
+    return text + fmt::format(" {} {} {:d}", site.pace, site.turn_pace, site.reduced_motion);
   }
   std::string operator()(const PoseSeen& seen) const {
     const std::string head =
@@ -65,6 +71,9 @@ struct Write {
   std::string operator()(const KeysPressed& keys) const {
     return fmt::format("{} {} {} {}", line("keys"), keys.command.forward, keys.command.right, keys.command.turn);
   }
+  std::string operator()(const LedToStop& led) const { return fmt::format("{} {}", line("led"), led.stop); }
+  std::string operator()(const CutToStop& cut) const { return fmt::format("{} {}", line("cut"), cut.stop); }
+  std::string operator()(const Held&) const { return line("held"); }
   std::string operator()(const Tick&) const {
     const Walker& walker = walk.navigation.walker;
     return fmt::format("{} {} {} {} {} {} {} {}", line("tick"), walker.position_m.x(), walker.position_m.y(),
@@ -176,6 +185,22 @@ void read_times(Words* words, NavigationSettings* ret) {
   ret->turn_pause = words->duration();
 }
 
+void read_ways(Words* words, Site* ret_site) {
+  const std::size_t ways = words->count(kMaxStops);
+  for (std::size_t i = 0; i < ways; ++i) {
+    GuideWay way;
+    way.from = words->count(kMaxStops);
+    way.to = words->count(kMaxStops);
+    way.is_cut = words->count(1) == 1;
+    const std::size_t positions = words->count(kMaxStops);
+    for (std::size_t k = 0; k < positions; ++k) {
+      const double x = words->finite();
+      way.through.emplace_back(x, words->finite());
+    }
+    ret_site->ways.push_back(std::move(way));
+  }
+}
+
 SceneOpened read_open(Words* words) {
   SceneOpened opened{std::string(words->word()), {}};
   Site& site = opened.site;
@@ -204,9 +229,16 @@ SceneOpened read_open(Words* words) {
     stop.position_m.x() = words->finite();
     stop.position_m.y() = words->finite();
     stop.heading_rad = words->finite();
+    stop.stay = words->duration();
     site.stops.push_back(std::move(stop));
   }
+  read_ways(words, &site);
+  site.pace = words->finite(0.0, 1.0);
+  site.turn_pace = words->finite(0.0, 1.0);
+  site.reduced_motion = words->count(1) == 1;
   if (site.area && !site.area->allows(site.start.position_m)) words->fail("starts outside of its area");
+  for (const GuideStop& stop : site.stops)
+    if (site.area && !site.area->allows(stop.position_m)) words->fail("has a stop outside of its area");
   return opened;
 }
 
@@ -260,10 +292,16 @@ WalkEntry read_entry(Words* words) {
     entry.event = KeysPressed{{forward, right, words->value<double>()}};
   } else if (kind == "left") {
     entry.event = TrackerLeft{words->value<std::uint64_t>()};
+  } else if (kind == "led") {
+    entry.event = LedToStop{words->count(kMaxStops)};
+  } else if (kind == "cut") {
+    entry.event = CutToStop{words->count(kMaxStops)};
+  } else if (kind == "held") {
+    entry.event = Held{};
   } else if (kind == "open") {
     entry.event = read_open(words);
   } else {
-    words->fail("begins with none of open, pose, body, left, keys, tick");
+    words->fail("begins with none of open, pose, body, left, keys, led, cut, held, tick");
   }
   return entry;
 }
@@ -356,7 +394,9 @@ WalkReplay replayed(const WalkRecord& record) {
                      std::max(span ? span->second : entry.at, entry.at));
     if (std::holds_alternative<PoseSeen>(entry.event)) ++replay.poses;
     if (!entry.view) {
-      if (std::holds_alternative<SceneOpened>(entry.event)) meter.restart(walk.site.walking_scale);
+      const bool is_elsewhere =
+          std::holds_alternative<SceneOpened>(entry.event) || std::holds_alternative<CutToStop>(entry.event);
+      if (is_elsewhere) meter.restart(walk.site.walking_scale);
       continue;
     }
     ++replay.ticks;

@@ -2,17 +2,20 @@
 /// File format of a recorded walk: every event with its time, and after each tick the resulting view. The file consists
 /// of lines of words; numbers have the fewest digits that restore the same bits.
 ///
-///   cyclorama-walk 2
+///   cyclorama-walk 3
 ///   limits FORWARD SIDEWAYS TURN ACCELERATION JERK TURN_ACCELERATION TURN_JERK
 ///   tag NEUTRAL_DISTANCE NEUTRAL_RIGHT YAW_DEAD YAW_FULL SIDE_DEAD SIDE_FULL DISTANCE_DEAD DISTANCE_FULL
 ///   body MARK_DISTANCE NEUTRAL_RIGHT LEAN_DEAD LEAN_FULL SIDE_DEAD SIDE_FULL DISTANCE_DEAD DISTANCE_FULL
 ///   times SMOOTHING GUIDE_AFTER MAX_TURN TURN_PAUSE                        all times in nanoseconds
 ///
-///   open AT NAME SCALE X Z HEADING POLYGONS (CORNERS (X Z)...)... STOPS (X Z HEADING)...
+///   open AT NAME SCALE X Z HEADING POLYGONS (CORNERS (X Z)...)... STOPS (X Z HEADING STAY)...
+///        WAYS (FROM TO IS_CUT POSITIONS (X Z)...)... PACE TURN_PACE REDUCED_MOTION      the whole in one line
 ///   pose AT TRACKER SEQUENCE SHUTTER lost
 ///   pose AT TRACKER SEQUENCE SHUTTER X Y Z QW QX QY QZ                     likewise `body`: a visitor without a tag
 ///   left AT TRACKER
 ///   keys AT FORWARD RIGHT TURN
+///   led AT STOP                                                            likewise `cut`
+///   held AT
 ///   tick AT X Z HEADING RIGHT FORWARD TURN STEERER                         the resulting view; then further events
 #pragma once
 

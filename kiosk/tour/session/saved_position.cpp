@@ -4,27 +4,12 @@
 #include <fmt/format.h>
 
 #include "common/config/config.h"
+#include "common/config/toml_text.h"
 
 namespace cyclorama::tour {
 namespace {
 
 constexpr double kMaxCoordinateM = 1e6;
-
-/// Returns the text as a TOML string. Names of scenes come from the network.
-std::string toml_string(std::string_view text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      quoted += fmt::format("\\{}", c);
-    } else if (byte < 0x20 || byte == 0x7f) {
-      quoted += fmt::format("\\u{:04X}", byte);
-    } else {
-      quoted += c;
-    }
-  }
-  return quoted + '"';
-}
 
 }  // namespace
 

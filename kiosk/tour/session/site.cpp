@@ -31,7 +31,8 @@ Site site_of(const wire::SceneDescription& scene, std::string* ret_warning) {
   site.start.position_m = site.area->nearest_allowed(site.start.position_m);
   for (const wire::TourStop& stop : scene.stops()) {
     const Eigen::Vector2d position(stop.eye_m().x(), stop.eye_m().z());
-    site.stops.push_back({stop.title(), site.area->nearest_allowed(position), stop.heading_rad()});
+    site.stops.push_back({stop.title(), site.area->nearest_allowed(position), stop.heading_rad(),
+                          fmt::format("stop-{}", site.stops.size() + 1)});
   }
   return site;
 }

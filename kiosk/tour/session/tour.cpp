@@ -13,7 +13,6 @@
 #include "common/wire/convert.h"
 #include "kiosk/tour/navigation/prediction.h"
 #include "kiosk/tour/navigation/walk_record.h"
-#include "kiosk/tour/session/site.h"
 
 namespace cyclorama::tour {
 namespace {
@@ -40,6 +39,16 @@ Result<std::unique_ptr<Tour>> Tour::start(TourSettings settings, InspectionServi
   options.frame_budget_ms = settings.picture.frame_budget_ms;
   options.reference_samples = settings.picture.reference_samples;
   auto tour = std::unique_ptr<Tour>(new Tour(std::move(settings), inspection));
+  if (!tour->settings_.pictures_folder.empty()) {
+    TRY_ASSIGN(tour->pictures_,
+               StopPictures::open(tour->settings_.pictures_folder, tour->settings_.keep_bytes, options));
+    if (const auto earlier = tour->pictures_->earlier_visit()) {
+      const std::lock_guard lock(tour->mutex_);
+      tour->wanted_ = *from_wire(earlier->wanted);
+      tour->open(earlier->scene, SteadyClock().now());
+    }
+  }
+  tour->read_plan();
   TRY_ASSIGN(tour->farm_, client::FarmClient::start(std::move(options), *tour));
   tour->walker_ = std::thread([raw = tour.get()] { raw->walk(); });
   return tour;
@@ -50,8 +59,10 @@ Tour::Tour(TourSettings settings, InspectionService* inspection)
       inspection_(*inspection),
       log_(inspection),
       farm_away_("it was not reached yet"),
+      farm_lost_at_(SteadyClock().now()),
       record_(settings_.record ? record_head(settings_.navigation) : std::string()),
-      pacer_(settings_.picture.frame_budget_ms > 0.0) {}
+      pacer_(settings_.picture.frame_budget_ms > 0.0),
+      cuts_(static_cast<std::uint64_t>(to_nanoseconds(farm_lost_at_))) {}
 
 Tour::~Tour() { stop(); }
 
@@ -80,6 +91,7 @@ void Tour::walk() {
     const TimePoint now = SteadyClock().now();
     wake_ = false;
     if (visit_) change(Tick{}, now);
+    keep_visiting(now);
     send_heading(now);
     request_frame(now);
     if (now - shown_at_ >= kRestingTick) show_state(now);
@@ -117,7 +129,10 @@ std::string Tour::take_recording() {
 }
 
 Eigen::Vector3d Tour::eye_of(const Walker& walker) const {
-  return {walker.position_m.x(), visit_->scene.start_eye_m().y(), walker.position_m.y()};
+  constexpr double kAdultM = 1.6;  // Eye height for which a scene is made; the others scale with it.
+  const double height_m = plan_ && plan_->eye_height_m ? *plan_->eye_height_m : kAdultM;
+  const double y = visit_->scene.start_eye_m().y() + visit_->scene.eye_height_m() * (height_m / kAdultM - 1.0);
+  return {walker.position_m.x(), y, walker.position_m.y()};
 }
 
 void Tour::send_heading(TimePoint now) {
@@ -129,8 +144,8 @@ void Tour::send_heading(TimePoint now) {
   wire::Heading heading;
   heading.set_heading_rad(pose.second);
   heading.set_shutter_ns(walk_.navigation.steering_source == SteeringSource::kTag ? visit_->shutter_ns : 0);
-  // A frame of another scene must not be shown from an eye in this one.
-  if (visit_->is_shown) to_wire(pose.first, heading.mutable_eye_m());
+  to_wire(pose.first, heading.mutable_eye_m());
+  heading.set_cuts(cuts_);
   const std::optional<wire::ShowAt> show_at = schedule_.heading_at(now);
   hub_.send_heading(heading, show_at ? &*show_at : nullptr);
 }
@@ -213,6 +228,10 @@ void Tour::on_display_joined(std::uint64_t display, const wire::DisplayHello& he
     meter_.joined(display, refresh_period_of(hello));
     pacer_.set_refresh_period(meter_.refresh_period());
   }
+  {
+    const std::lock_guard lock(mutex_);
+    kept_shown_.reset();
+  }
   request_frame_again();
 }
 
@@ -244,10 +263,6 @@ void Tour::on_presented(std::uint64_t display, const wire::FramePresented& prese
   const TimePoint now = SteadyClock().now();
   log_.add_presented(presented, now);
   const std::lock_guard lock(mutex_);
-  if (visit_ && !visit_->is_shown && presented.view_number() >= visit_->first_view) {
-    visit_->is_shown = true;
-    pose_sent_.reset();
-  }
   if (meter_.presented(display, presented.view_number(), stage_of(presented, "draw"), now)) pacer_.shown();
 }
 
@@ -260,20 +275,14 @@ void Tour::on_dropped(std::uint64_t display, const wire::FrameDropped& dropped) 
 void Tour::on_opened(const wire::SceneDescription& scene) {
   {
     const std::lock_guard lock(mutex_);
-    Visit visit;
-    visit.scene = scene;
-    SceneOpened opened{scene.name(), site_of(scene, &visit.warning)};
-    if (!visit_ && settings_.resume && settings_.resume->scene == scene.name()) {
-      Walker& start = opened.site.start;
-      if (opened.site.area) start.position_m = opened.site.area->nearest_allowed(settings_.resume->position_m);
-      start.heading_rad = settings_.resume->heading_rad;
-    }
-    change(opened, SteadyClock().now());
-    visit.can_walk = can_walk(walk_.site, settings_.navigation.limits);
-    visit.first_view = newest_number_ + 1;
-    visit.is_shown = visit_ && visit_->is_shown && visit_->scene.name() == scene.name();
-    visit_ = std::move(visit);
+    const bool is_held = walk_.site.is_held;
+    open(scene, SteadyClock().now());
     farm_away_.reset();
+    if (is_held) {
+      // The displays fade from the kept picture to the live one. A view from before the loss is answered first, perhaps.
+      begin_cut();
+      first_live_ = first_after_cut_;
+    }
     pacer_.request_again();
   }
   inspection_.set_fact("scene", printable(scene.name()));
@@ -286,6 +295,7 @@ void Tour::on_opened(const wire::SceneDescription& scene) {
 
 void Tour::on_lost(const Error& reason) {
   const std::lock_guard lock(mutex_);
+  if (!farm_away_) farm_lost_at_ = SteadyClock().now();
   farm_away_ = reason.message();
   pacer_.lost();
   meter_.lost();
@@ -302,18 +312,22 @@ void Tour::broadcast(wire::ShowMessage message) {
 
 void Tour::on_begin(const wire::View& view) {
   std::size_t passed_over = 0;
+  wire::ShowMessage message;
   {
     const std::lock_guard lock(mutex_);
+    is_frame_outdated_ = view.number() < first_live_;
     passed_over = pacer_.began(view.number());
+    message.set_cuts(view.number() >= first_after_cut_ ? cuts_ : cuts_ - 1);
   }
   log_.add_dropped("the farm went on to a newer view", passed_over);
+  if (is_frame_outdated_) return;
   log_.add_begin(view);
-  wire::ShowMessage message;
   *message.mutable_begin() = view;
   broadcast(std::move(message));
 }
 
 void Tour::on_tile(wire::Tile tile) {
+  if (is_frame_outdated_) return;
   log_.add_tile(tile);
   wire::ShowMessage message;
   *message.mutable_tile() = std::move(tile);
@@ -329,6 +343,7 @@ void Tour::on_end(const wire::FrameEnd& end) {
     if (end.complete()) meter_.ended(end.view_number(), now);
   }
   wake();
+  if (is_frame_outdated_) return;
   wire::ShowMessage message;
   *message.mutable_end() = end;
   const auto show_at = end.complete() ? schedule_.frame_at(now) : std::nullopt;

@@ -15,10 +15,14 @@
 #include "common/base/clock.h"
 #include "common/wire/inspection_service.h"
 #include "kiosk/tour/navigation/visit_walk.h"
+#include "kiosk/tour/plan/tour_folder.h"
+#include "kiosk/tour/plan/tour_plan.h"
 #include "kiosk/tour/session/display_hub.h"
 #include "kiosk/tour/session/display_roster.h"
 #include "kiosk/tour/session/show_meter.h"
 #include "kiosk/tour/session/show_schedule.h"
+#include "kiosk/tour/session/stop_pictures.h"
+#include "kiosk/tour/session/stop_requests.h"
 #include "kiosk/tour/session/tour_events.h"
 #include "kiosk/tour/session/tour_settings.h"
 #include "kiosk/tour/session/view_pacer.h"
@@ -37,11 +41,18 @@ namespace cyclorama::tour {
 /// position and the record hold where the visitor is. A wrong prediction is followed by the right view, so that the
 /// last view of a visitor who stands still is exact.
 ///
+/// A cut takes the visitor to another place without a walk. Frames and headings carry the number of cuts before them, so
+/// that a display shows no frame from an eye at another place, and fades between the two.
+///
+/// While the farm is away for longer than a moment, the visit goes on at the stops whose pictures are kept
+/// (stop_pictures.h): the visitor looks around there, and gets from stop to stop by cuts.
+///
 /// Threads: `walk` (every 1/60 s while something moves, and at once for each pose and whenever the farm can take
 /// another view), the FarmClient's (forwards tiles), gRPC's (the calls of TourEvents). Thread-safe.
-class Tour final : public TourEvents, private client::FarmListener {
+class Tour final : public TourEvents, public StopRequests, private client::FarmListener {
  public:
-  /// `inspection` is borrowed. Errors: kInvalidArgument if a coordinator's address is invalid.
+  /// `inspection` is borrowed. Errors: kInvalidArgument if a coordinator's address is invalid; those of
+  /// StopPictures::open().
   static Result<std::unique_ptr<Tour>> start(TourSettings settings, InspectionService* inspection);
   ~Tour() override;
   Tour(const Tour&) = delete;
@@ -61,6 +72,16 @@ class Tour final : public TourEvents, private client::FarmListener {
   /// recording. Call it about every second, since the record is held in memory until then.
   [[nodiscard]] std::string take_recording();
 
+  /// Reads the tour's file, if the settings name a folder and the file has changed. A wrong file is reported in the
+  /// state, and the tour of before stays. Call it about every second.
+  void read_plan();
+
+  Result<wire::StopList> list_stops() override;
+  Result<wire::GoToStopReply> go_to_stop(const wire::GoToStopRequest& request) override;
+  Result<wire::AddStopReply> add_stop(const wire::AddStopRequest& request) override;
+  Result<wire::UndoStopReply> undo_stop() override;
+  Result<wire::FetchPicturesReply> fetch_pictures() override;
+
   void on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) override;
   void on_tracker_joined(std::uint64_t tracker) override;
   void on_tracker_left(std::uint64_t tracker) override;
@@ -77,8 +98,6 @@ class Tour final : public TourEvents, private client::FarmListener {
     wire::SceneDescription scene;
     std::string warning;
     bool can_walk = false;
-    std::uint64_t first_view = 0;  ///< Number of the first view of this scene.
-    bool is_shown = false;         ///< A display has shown a view of this scene.
     std::int64_t shutter_ns = 0;
     std::optional<TimePoint> pose_received_at;  ///< Reset when a view follows the pose.
   };
@@ -106,6 +125,27 @@ class Tour final : public TourEvents, private client::FarmListener {
   void request_frame_again();
   void broadcast(wire::ShowMessage message);
 
+  // In tour_stops.cpp; all require the lock:
+
+  /// Begins or continues the visit to a scene.
+  void open(const wire::SceneDescription& scene, TimePoint now);
+  /// Applies the tour's file, or the scene's own stops, to the present scene.
+  void apply_plan(TimePoint now);
+  [[nodiscard]] Result<TourPlan> plan_of(const std::string& text) const;
+  /// Takes the visitor to a stop. Precondition: can_go_to().
+  void go_to(std::size_t stop, TimePoint now);
+  void begin_cut();
+  /// Cuts where the guide has to, and continues with kept pictures while the farm is away.
+  void keep_visiting(TimePoint now);
+  void show_kept(std::size_t stop, TimePoint now);
+  /// Returns the stop itself, or the next one in steps of `step`, that can be shown now; nothing if none can.
+  [[nodiscard]] std::optional<std::size_t> showable(std::size_t stop, int step) const;
+  [[nodiscard]] std::optional<std::size_t> nearest_kept() const;
+  /// Sets which pictures are to be kept, and whether they may be fetched now.
+  void tend_pictures(TimePoint now);
+  [[nodiscard]] wire::View view_of(const GuideStop& stop, const Projection& wanted) const;
+  void show_tour(TimePoint now);
+
   const TourSettings settings_;
   InspectionService& inspection_;
   VisitLog log_;
@@ -114,13 +154,15 @@ class Tour final : public TourEvents, private client::FarmListener {
   DisplayRoster roster_;
   std::atomic<std::uint64_t> rounds_{0};
 
-  std::mutex mutex_;  ///< Guards the following.
+  std::mutex editing_;  ///< Held while the tour's file is changed; locked before mutex_.
+  std::mutex mutex_;    ///< Guards the following.
   std::condition_variable woken_;
   bool wake_ = false;
   bool stopping_ = false;
   /// Kept while the farm is away: the walk goes on, and the visitor keeps the position.
   std::optional<Visit> visit_;
   std::optional<std::string> farm_away_;
+  TimePoint farm_lost_at_{};
   std::set<std::uint64_t> trackers_;
   VisitWalk walk_;
   std::string record_;  ///< Lines that were not yet taken.
@@ -132,6 +174,21 @@ class Tour final : public TourEvents, private client::FarmListener {
   TimePoint next_tick_{};
   TimePoint shown_at_{};
   std::string view_refused_;
+
+  std::uint64_t cuts_;                    ///< Differs from those of an earlier process.
+  std::uint64_t first_after_cut_ = 0;     ///< Number of the first view after the last cut.
+  std::uint64_t first_live_ = 0;          ///< Number of the first view since the farm's last return from an absence.
+  bool is_frame_outdated_ = false;        ///< FarmClient's thread only: the open frame is of a view before first_live_.
+  Site scene_site_;                       ///< The scene without a curator's tour.
+  std::optional<std::string> plan_text_;  ///< The tour's file; empty: there is none.
+  std::optional<std::string> accepted_text_;  ///< The newest text that was a tour of the scene.
+  std::optional<TourPlan> plan_;              ///< Empty: the stops are the scene's own.
+  std::string plan_problem_;
+  std::optional<Projection> wanted_;  ///< Picture that the displays needed last.
+  bool are_pictures_told_ = false;    ///< `pictures_` has the present stops and wanted_.
+  bool is_fetch_requested_ = false;
+  std::optional<std::size_t> kept_shown_;   ///< Stop whose kept picture the displays show.
+  std::unique_ptr<StopPictures> pictures_;  ///< Null: no folder is set.
 
   std::unique_ptr<client::FarmClient> farm_;
   std::thread walker_;

@@ -180,6 +180,14 @@ Result<SteeringCommand> command_of(const wire::SteerRequest& request) {
   return command;
 }
 
+template <typename Reply>
+grpc::ServerUnaryReactor* answered(grpc::CallbackServerContext* context, Result<Reply> answer, Reply* ret_reply) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  if (answer) *ret_reply = *std::move(answer);
+  reactor->Finish(answer ? grpc::Status::OK : to_grpc(answer.error()));
+  return reactor;
+}
+
 }  // namespace
 
 grpc::ServerBidiReactor<wire::DisplayReport, wire::ShowMessage>* TourService::Show(grpc::CallbackServerContext*) {
@@ -197,6 +205,32 @@ grpc::ServerUnaryReactor* TourService::Steer(grpc::CallbackServerContext* contex
   if (command) events_.on_keys(*command);
   reactor->Finish(command ? grpc::Status::OK : to_grpc(command.error()));
   return reactor;
+}
+
+grpc::ServerUnaryReactor* TourService::ListStops(grpc::CallbackServerContext* context, const wire::ListStopsRequest*,
+                                                 wire::StopList* reply) {
+  return answered(context, stops_.list_stops(), reply);
+}
+
+grpc::ServerUnaryReactor* TourService::GoToStop(grpc::CallbackServerContext* context,
+                                                const wire::GoToStopRequest* request, wire::GoToStopReply* reply) {
+  return answered(context, stops_.go_to_stop(*request), reply);
+}
+
+grpc::ServerUnaryReactor* TourService::AddStop(grpc::CallbackServerContext* context,
+                                               const wire::AddStopRequest* request, wire::AddStopReply* reply) {
+  return answered(context, stops_.add_stop(*request), reply);
+}
+
+grpc::ServerUnaryReactor* TourService::UndoStop(grpc::CallbackServerContext* context, const wire::UndoStopRequest*,
+                                                wire::UndoStopReply* reply) {
+  return answered(context, stops_.undo_stop(), reply);
+}
+
+grpc::ServerUnaryReactor* TourService::FetchPictures(grpc::CallbackServerContext* context,
+                                                     const wire::FetchPicturesRequest*,
+                                                     wire::FetchPicturesReply* reply) {
+  return answered(context, stops_.fetch_pictures(), reply);
 }
 
 }  // namespace cyclorama::tour

@@ -6,16 +6,18 @@
 
 #include "common/wire/museum.grpc.pb.h"
 #include "kiosk/tour/session/display_hub.h"
+#include "kiosk/tour/session/stop_requests.h"
 #include "kiosk/tour/session/tour_events.h"
 
 namespace cyclorama::tour {
 
-/// Borrows both arguments, which must outlive the WireServer that it is registered with. Thread-safe.
+/// Borrows all arguments, which must outlive the WireServer that it is registered with. Thread-safe.
 ///
 /// Streams are gRPC reactors: a display that stops reading costs only the memory of its outbox.
 class TourService final : public wire::Tour::CallbackService {
  public:
-  TourService(DisplayHub* displays, TourEvents* events) : displays_(*displays), events_(*events) {}
+  TourService(DisplayHub* displays, TourEvents* events, StopRequests* stops)
+      : displays_(*displays), events_(*events), stops_(*stops) {}
 
  private:
   grpc::ServerBidiReactor<wire::DisplayReport, wire::ShowMessage>* Show(grpc::CallbackServerContext* context) override;
@@ -23,8 +25,21 @@ class TourService final : public wire::Tour::CallbackService {
                                                     wire::TrackReply* reply) override;
   grpc::ServerUnaryReactor* Steer(grpc::CallbackServerContext* context, const wire::SteerRequest* request,
                                   wire::SteerReply* reply) override;
+  grpc::ServerUnaryReactor* ListStops(grpc::CallbackServerContext* context, const wire::ListStopsRequest* request,
+                                      wire::StopList* reply) override;
+  grpc::ServerUnaryReactor* GoToStop(grpc::CallbackServerContext* context, const wire::GoToStopRequest* request,
+                                     wire::GoToStopReply* reply) override;
+  grpc::ServerUnaryReactor* AddStop(grpc::CallbackServerContext* context, const wire::AddStopRequest* request,
+                                    wire::AddStopReply* reply) override;
+  grpc::ServerUnaryReactor* UndoStop(grpc::CallbackServerContext* context, const wire::UndoStopRequest* request,
+                                     wire::UndoStopReply* reply) override;
+  grpc::ServerUnaryReactor* FetchPictures(grpc::CallbackServerContext* context,
+                                          const wire::FetchPicturesRequest* request,
+                                          wire::FetchPicturesReply* reply) override;
+
   DisplayHub& displays_;
   TourEvents& events_;
+  StopRequests& stops_;
   std::atomic<std::uint64_t> shows_{0};
   std::atomic<std::uint64_t> trackers_{0};
 };

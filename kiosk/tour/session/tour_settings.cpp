@@ -118,6 +118,14 @@ Result<TourSettings> read_from(Config config, const std::filesystem::path& folde
   settings.picture.subsample_chroma = picture.flag("subsample_chroma", settings.picture.subsample_chroma);
   settings.picture.guard_rad =
       kDegree * picture.number("guard_deg", {0.0, 90.0}, degrees(default_guard_rad(settings.navigation.limits)));
+  ConfigTable tour = root.table("tour");
+  if (const std::string name = tour.text("folder", ""); !name.empty()) settings.tour_folder = folder / name;
+  constexpr double kMaxMib = 16.0 * 1024 * 1024;
+  settings.keep_bytes =
+      static_cast<std::uint64_t>(tour.integer("keep_mib", {0.0, kMaxMib}, static_cast<int>(kDefaultKeepBytes >> 20)))
+      << 20;
+  settings.fetch_after =
+      seconds(60.0 * tour.number("fetch_after_min", {0.0, 1440.0}, to_seconds(settings.fetch_after) / 60.0));
   TRY(config.finish());
   return settings;
 }

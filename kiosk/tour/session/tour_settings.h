@@ -19,6 +19,10 @@
 ///   frame_budget_ms = 150                # The farm chooses a quality that fits, and refines at rest
 ///   reference_samples = 1024             # up to this many samples per pixel.
 ///   guard_deg = 8
+///   [tour]
+///   folder = "tour"                      # A curator's tour (tour_plan.h), beside site.toml; empty: the scene's stops.
+///   keep_mib = 2048                      # Disk for pictures of the stops, for the farm's absence; 0: none are kept.
+///   fetch_after_min = 10                 # They are fetched when nobody has steered for this long.
 ///
 /// or, for a constant quality instead of the budget:
 ///
@@ -56,6 +60,8 @@ struct PictureSettings {
   double guard_rad = 0.0;
 };
 
+inline constexpr std::uint64_t kDefaultKeepBytes = std::uint64_t{2048} << 20;
+
 struct TourSettings {
   std::vector<std::string> coordinators{"[::1]:7401"};
   std::string scene;
@@ -63,7 +69,11 @@ struct TourSettings {
   std::optional<TlsFiles> tls{};  ///< Credentials for the connection to the farm.
   PictureSettings picture;
   NavigationSettings navigation;
-  bool record = false;                    ///< Records the walk for Tour::take_recording(); not in the file.
+  std::filesystem::path tour_folder{};           ///< Empty: the stops are the scene's own.
+  std::uint64_t keep_bytes = kDefaultKeepBytes;  ///< Disk for kept pictures.
+  Duration fetch_after = std::chrono::minutes(10);
+  std::filesystem::path pictures_folder{};  ///< Folder of kept pictures; empty: none are kept. Not in the file.
+  bool record = false;                      ///< Records the walk for Tour::take_recording(); not in the file.
   std::optional<SavedPosition> resume{};  ///< The visitor's position when the tour ended unexpectedly; not in the file.
 };
 

@@ -17,6 +17,12 @@ constexpr Duration kFarmSilent = std::chrono::seconds(10);
 
 std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
   *ret_healthy = false;
+  if (farm_away_ && kept_shown_) {
+    return fmt::format(
+        "The farm is away ({}). The visit goes on at the stops whose pictures are kept, and the tour keeps trying {}; "
+        "see that cyclorama-farm and its nodes run there.",
+        printable(*farm_away_, 200), settings_.coordinators.front());
+  }
   if (farm_away_) {
     return fmt::format(
         "The farm is away ({}). The wall holds its last picture, and the tour keeps trying {}; see that "
@@ -34,8 +40,9 @@ std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
     return fmt::format("The farm has not answered a view for {:.0f} s. See the state of the coordinator and its nodes.",
                        to_seconds(now - *asked_at));
   }
-  *ret_healthy = visit_->warning.empty();
-  if (!*ret_healthy) return visit_->warning;
+  *ret_healthy = visit_->warning.empty() && plan_problem_.empty();
+  if (!visit_->warning.empty()) return visit_->warning;
+  if (!plan_problem_.empty()) return "The tour of before stays: " + plan_problem_;
   const char* const hint = trackers_.empty() ? " No tracker is connected, so only keys steer." : "";
   const std::string picture =
       log_.refinement().value_or(fmt::format("{:.1f} frames a second", log_.frames_per_second(now)));
@@ -48,6 +55,7 @@ std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
 
 void Tour::show_state(TimePoint now) {
   shown_at_ = now;
+  show_tour(now);
   bool healthy = false;
   std::string sentence = state_sentence(now, &healthy);
   inspection_.set_state(std::move(sentence), healthy);

@@ -19,6 +19,7 @@
 #include "drivers/devices/make_turntable.h"
 #include "drivers/simulated/camera/simulation.h"
 #include "kiosk/provision/operator_settings.h"
+#include "kiosk/tour/plan/tour_plan.h"
 #include "kiosk/tour/session/saved_position.h"
 #include "kiosk/tour/session/tour_settings.h"
 #include "kiosk/update/update_settings.h"
@@ -68,6 +69,7 @@ const std::map<std::string, Parser>& parsers() {
       {"operator.toml", parser(provision::parse_operator_settings)},
       {"place.toml", parser(tour::parse_saved_position)},
       {"site.toml", site_parser()},
+      {"tour.toml", parser([](const auto& text, const auto& name) { return tour::parse_tour_plan(text, name); })},
       {"tracker.toml", parser(tracker::TrackerSettings::parse)},
       {"wand.toml", parser(parse_wand)},
       {"camera", device_parser([](const std::string& line) -> Status {

@@ -258,6 +258,46 @@ TEST_F(PresenterTest, fades_in_a_frame_that_refines_the_one_before) {
   EXPECT_NEAR(middle(), 160, 1);
 }
 
+TEST_F(PresenterTest, fades_to_a_frame_of_another_place_and_turns_it_by_headings_of_that_place_alone) {
+  const auto put = [&](std::uint64_t order, std::uint8_t grey, double heading_rad, std::uint64_t cuts) {
+    auto frame = frame_of(order, plain(140, 20, grey), heading_rad);
+    frame->cuts = cuts;
+    mailbox_.frames.put(std::move(frame));
+  };
+  const auto look = [&](double heading_rad, std::uint64_t cuts) {
+    HeadingNow heading{heading_rad, 0};
+    heading.cuts = cuts;
+    mailbox_.headings.put(heading);
+  };
+  const auto code = [&] { return int{shown().at(kWidth / 2, 20)[1]}; };
+  put(1, 40, 0.0, 7);
+  look(0.0, 7);
+  refresh_for(std::chrono::milliseconds(300));
+  const int before = code();
+
+  look(1.9, 8);  // The pose at the next place arrives before its first frame.
+  EXPECT_EQ(refresh().turn_rad, 0.0);
+  put(2, 220, 1.9, 8);
+  int last = code();
+  EXPECT_NEAR(last, before, 2) << "the cut begins with the place that is left";
+  EXPECT_GT(refresh().cut_share, 0.9);
+  for (int n = 0; n < 85; ++n) {
+    const int now = code();
+    EXPECT_GE(now, last);
+    EXPECT_LE(now - last, 12) << "soft";
+    last = now;
+  }
+  EXPECT_EQ(refresh().cut_share, 0.0);
+  EXPECT_GT(last, before + 100);
+  look(0.0, 7);  // A late pose at the place that was left.
+  EXPECT_EQ(refresh().turn_rad, 0.0);
+  look(2.0, 8);
+  EXPECT_NEAR(refresh().turn_rad, 0.1, 1e-9);
+  put(3, 220, 2.0, 8);
+  refresh();
+  EXPECT_EQ(refresh().cut_share, 0.0) << "another frame of the same place";
+}
+
 TEST_F(PresenterTest, holds_a_frame_without_depth_at_its_own_eye) {
   mailbox_.frames.put(frame_of(1, plain(40, 20, 100)));
   HeadingNow pose;

@@ -183,6 +183,9 @@ TEST(ShownParts, cover_only_a_part_of_the_circle_for_one_projector_at_any_headin
     EXPECT_EQ(shown.turn_limit_rad, 0.5);
     expect_all_that_is_read(heads, circle, shown);
     EXPECT_LT(area(shown), 2048 * 400 / 2);  // 60 degrees, and half a radian on either side.
+    const ShownParts kept = shown_parts(heads.footprints, circle, Panorama{1000, 400, 2.0, 0.6, -0.6}, true);
+    EXPECT_EQ(kept.turn_limit_rad, std::numbers::pi);
+    expect_all_that_is_read(heads, circle, kept);
   }
 }
 

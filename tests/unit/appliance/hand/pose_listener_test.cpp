@@ -27,7 +27,7 @@ std::string at(int port) { return "[::1]:" + std::to_string(port); }
 ReceivedPoses hear(PoseListener& listener, TimePoint now = kNow) {
   for (int i = 0; i < 200; ++i) {
     ReceivedPoses heard = listener.take(now);
-    if (!heard.poses.empty() || heard.steer) return heard;
+    if (!heard.poses.empty() || heard.steer || heard.stop) return heard;
     ::poll(nullptr, 0, 10);
   }
   return {};
@@ -56,6 +56,16 @@ TEST(PoseListener, receives_a_request) {
   ASSERT_TRUE(socket);
   socket->send(tracker::encode_osc({"/cyclorama/steer", {1.0f, 0.0f, -0.25f}}));
   EXPECT_EQ(hear(ears).steer, (std::array<double, 3>{1.0, 0.0, -0.25}));
+}
+
+TEST(PoseListener, receives_a_request_for_a_stop) {
+  PoseListener ears = listener();
+  const auto socket = tracker::DatagramSender::open(at(ears.osc_port()));
+  ASSERT_TRUE(socket);
+  socket->send(tracker::encode_osc({"/cyclorama/stop", {-1}}));
+  EXPECT_EQ(hear(ears).stop, tracker::OscStop(-1));
+  socket->send(tracker::encode_osc({"/cyclorama/stop", {std::string("buddha")}}));
+  EXPECT_EQ(hear(ears).stop, tracker::OscStop(std::string("buddha")));
 }
 
 TEST(PoseListener, follows_the_first_sensor_until_it_has_been_silent_for_a_second) {

@@ -62,6 +62,18 @@ TEST(InputSteering, follows_keys_until_they_are_released) {
   EXPECT_TRUE(keys.command(kNow).is_rest());
 }
 
+TEST(InputSteering, counts_each_press_of_the_buttons_for_stops) {
+  InputDescription clicker = keyboard();
+  clicker.keys.insert({KEY_PAGEDOWN, KEY_PAGEUP});
+  InputSteering keys(InputKind::kKeyboard, clicker);
+  for (const std::int32_t value : {1, 2, 2, 0, 1}) keys.take({EV_KEY, KEY_PAGEDOWN, value}, kNow);
+  EXPECT_EQ(keys.take_steps(), 2);
+  EXPECT_EQ(keys.take_steps(), 0);
+  keys.take({EV_KEY, KEY_PAGEUP, 1}, kNow);
+  EXPECT_EQ(keys.take_steps(), -1);
+  EXPECT_TRUE(keys.command(kNow).is_rest());
+}
+
 TEST(InputSteering, ignores_a_silent_spacemouse_after_a_while) {
   InputSteering cap(InputKind::kSpaceMouse, space_mouse());
   cap.take({EV_REL, REL_Y, -350}, kNow);

@@ -171,6 +171,16 @@ INSTANTIATE_TEST_SUITE_P(
                          "[farm]\nauthority = \"/etc/passwd\"\ncertificate = \"../x\"\nkey = \"tls/key.pem\"\n");
                },
                "which is not in the folder"},
+        Spoilt{"tour_missing",
+               [](const MuseumStick& m) { m.write("site.toml", MuseumStick::site() + "[tour]\nfolder = \"tour\"\n"); },
+               "'tour/tour.toml', which is not there"},
+        Spoilt{"tour_wrong",
+               [](const MuseumStick& m) {
+                 m.write("site.toml", MuseumStick::site() + "[tour]\nfolder = \"tour\"\n");
+                 fs::create_directories(m.stick() / "tour");
+                 m.write("tour/tour.toml", "version = 1\nlanguages = [\"en\"]\n[[stop]]\nname = \"a\"\n");
+               },
+               "tour.toml:3: stop[0].position_m"},
         Spoilt{"picture_missing", [](const MuseumStick& m) { m.remove("evening.png"); },
                "'evening.png', which is not there"},
         Spoilt{"picture_cut", [](const MuseumStick& m) { fs::resize_file(m.stick() / "evening.png", 50); },
@@ -304,6 +314,16 @@ TEST(Provision, takes_the_calibrators_cameras_and_their_lenses) {
               ElementsAre(HasSubstr("cameras/right.json is missing"), HasSubstr("cameras/rigth.json is there, but")));
   EXPECT_THAT(museum.in_use("calibrator.toml"), HasSubstr("left"));
   EXPECT_EQ(museum.in_use("cameras/left.json"), "{\"of\": \"left\"}");
+}
+
+TEST(Provision, takes_a_curators_tour) {
+  const MuseumStick museum;
+  museum.write("site.toml", MuseumStick::site() + "[tour]\nfolder = \"tour\"\n");
+  fs::create_directories(museum.stick() / "tour");
+  museum.write("tour/tour.toml",
+               "version = 1\nlanguages = [\"en\"]\n[[stop]]\nname = \"a\"\nposition_m = [0, 0]\nheading_deg = 0\n");
+  EXPECT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
+  EXPECT_THAT(museum.in_use("tour/tour.toml"), HasSubstr("name = \"a\""));
 }
 
 TEST(Provision, checks_settings_by_the_programs_themselves) {

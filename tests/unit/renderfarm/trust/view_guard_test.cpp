@@ -97,6 +97,17 @@ TEST(ViewGuard, permits_a_walking_pace_and_jumps_to_the_start_and_the_stops_alon
   EXPECT_EQ(refusal(quick, view(7.0, 5.0), 1e5), "") << "after a rest";
 }
 
+TEST(ViewGuard, permits_a_jump_within_the_area_after_a_rest) {
+  ViewGuard guard(scene());
+  EXPECT_EQ(refusal(guard, view(-9.0, 5.0), 0.0), "");
+  EXPECT_EQ(refusal(guard, view(9.0, 5.0), 0.1), "") << "18 m, between two stops of a museum's tour";
+  EXPECT_EQ(refusal(guard, view(9.0, 5.0), 0.2), "") << "and stays there";
+  EXPECT_THAT(refusal(guard, view(-9.0, 5.0), 1.0), HasSubstr("faster"));
+  ViewGuard again(scene());
+  for (int jump = 0; jump < 20; ++jump)
+    EXPECT_EQ(refusal(again, view(jump % 2 == 0 ? -9.0 : 9.0, 5.0), 2.1 * jump), "") << jump;
+}
+
 TEST(ViewGuard, scales_the_pace_with_the_scenes_walking_scale) {
   wire::SceneDescription large = scene();
   large.set_walking_scale(4.0);

@@ -95,6 +95,10 @@ TEST(OscPose, reads_numbers_of_any_type_and_ignores_other_messages) {
   EXPECT_EQ(steer_from_osc({"/cyclorama/steer", {2.0f, -0.5, 0}}), (std::array<double, 3>{1.0, -0.5, 0.0}));
   EXPECT_FALSE(steer_from_osc({"/cyclorama/steer", {std::nanf(""), 0, 0}}));
   EXPECT_FALSE(steer_from_osc({"/cyclorama/steer", {1, 0}}));
+  EXPECT_EQ(stop_from_osc({"/cyclorama/stop", {1.0f}}), OscStop(1));
+  EXPECT_FALSE(stop_from_osc({"/cyclorama/stop", {2}}));
+  EXPECT_FALSE(stop_from_osc({"/cyclorama/stop", {true, 1}}));
+  EXPECT_FALSE(stop_from_osc({"/cyclorama/steer", {1}}));
 }
 
 }  // namespace

@@ -206,6 +206,77 @@ TEST(Navigator, leads_round_corners) {
   EXPECT_LT((walk.state.walker.position_m - Vector2d(2, 9)).norm(), 0.2);
 }
 
+TEST(Navigator, leads_to_a_stop_on_request_and_then_leaves_the_visitor_alone) {
+  Walk walk;
+  walk.site.stops = {{"a", {3, 3}, 0.5}, {"b", {-3, 2}, -2.0}};
+  walk.hold(tag_at(0, 1, 0), 1s);
+  walk.state = led(std::move(walk.state), walk.site, 1, walk.now);
+  walk.run(3s);
+  EXPECT_EQ(walk.state.steering_source, SteeringSource::kGuide) << "without waiting for the guide's time";
+  walk.run(30s);
+  EXPECT_EQ(walk.state.steering_source, SteeringSource::kNobody);
+  EXPECT_LT((walk.state.walker.position_m - Vector2d(-3, 2)).norm(), 0.2);
+  EXPECT_NEAR(walk.state.walker.heading_rad, -2.0, 0.05) << "no glance around";
+  EXPECT_EQ(walk.state.stop, 1u);
+}
+
+TEST(Navigator, lets_a_visitor_who_is_led_steer_at_any_time) {
+  Walk walk;
+  walk.site.stops = {{"a", {3, 3}, 0.5}};
+  walk.state = led(std::move(walk.state), walk.site, 0, walk.now);
+  walk.run(1s);
+  walk.hold(tag_at(0, 0.4, 0), 500ms);
+  EXPECT_EQ(walk.state.steering_source, SteeringSource::kTag);
+  walk.run(5s);
+  EXPECT_TRUE(walk.state.walker.is_at_rest()) << "not led any more";
+}
+
+TEST(Navigator, walks_the_way_that_the_tour_prescribes_in_both_directions) {
+  for (const std::size_t target : {0U, 1U}) {
+    Walk walk;
+    walk.site.stops = {{"a", {3, 0}, 0.0}, {"b", {-3, 0}, 0.0}};
+    walk.site.ways = {{0, 1, {{2, 4}, {-2, 4}}, false}};
+    walk.state = cut(std::move(walk.state), walk.site, 1 - target, walk.now);
+    walk.state = led(std::move(walk.state), walk.site, target, walk.now);
+    double farthest = 0.0;
+    for (int i = 0; i < 400; ++i) {
+      walk.run(100ms, 50ms);
+      farthest = std::max(farthest, walk.state.walker.position_m.y());
+    }
+    EXPECT_GT(farthest, 3.5);
+    EXPECT_LT((walk.state.walker.position_m - walk.site.stops[target].position_m).norm(), 0.2);
+  }
+}
+
+TEST(Navigator, never_exceeds_the_pace_of_the_tour) {
+  Walk walk;
+  walk.site.stops = {{"a", {4, 4}, 3.0}};
+  walk.site.pace = 0.3;
+  walk.site.turn_pace = 0.5;
+  walk.state = led(std::move(walk.state), walk.site, 0, walk.now);
+  for (int i = 0; i < 100; ++i) {
+    walk.run(100ms, 50ms);
+    EXPECT_LE(walk.state.walker.velocity_m_per_s.norm(), 0.3 * WalkLimits{}.forward_m_per_s + 1e-9);
+    EXPECT_LE(std::abs(walk.state.walker.turn_rate_rad_per_s), 0.5 * WalkLimits{}.turn_rad_per_s + 1e-9);
+  }
+}
+
+TEST(Navigator, with_reduced_motion_rests_where_a_cut_is_due) {
+  Walk walk;
+  walk.settings.guide_after = 1s;
+  walk.site.stops = {{"a", {3, 3}, 0.5}, {"b", {-3, 2}, -2.0, "b", 3s}};
+  walk.site.reduced_motion = true;
+  walk.run(5s);
+  EXPECT_TRUE(walk.state.walker.position_m.isZero(0.0)) << "the guide does not walk";
+  ASSERT_EQ(guide_cut(walk.state.guide, walk.state.walker, walk.site, walk.now), 1u) << "the nearest stop";
+  walk.state = cut(std::move(walk.state), walk.site, 1, walk.now);
+  EXPECT_EQ(walk.state.walker.position_m, Vector2d(-3, 2));
+  walk.run(2s);
+  EXPECT_FALSE(guide_cut(walk.state.guide, walk.state.walker, walk.site, walk.now)) << "the guide stays there";
+  walk.run(2s);
+  EXPECT_EQ(guide_cut(walk.state.guide, walk.state.walker, walk.site, walk.now), 0u);
+}
+
 TEST(Navigator, looks_around_in_a_scene_without_stops) {
   Walk walk;
   walk.settings.guide_after = 1s;

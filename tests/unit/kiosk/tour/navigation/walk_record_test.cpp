@@ -104,10 +104,10 @@ TEST(WalkRecord, names_the_line_and_the_mistake) {
   };
   for (const Wrong& wrong : std::vector<Wrong>{
            {"", ":0: ends before"},
-           {"cyclorama-walk 1\n", ":1: the line is not 'cyclorama-walk 2'"},
-           {"cyclorama-walk 2\nlimits 1 2\n", ":2: the line ends too early"},
-           {"cyclorama-walk 2\nlimits 1 1 1 1 1 1 0\n", ":2: the line has 0, which is not between"},
-           {"cyclorama-walk 2\nspeeds 1\n", ":2: the line does not begin with 'limits'"},
+           {"cyclorama-walk 1\n", ":1: the line is not 'cyclorama-walk 3'"},
+           {"cyclorama-walk 3\nlimits 1 2\n", ":2: the line ends too early"},
+           {"cyclorama-walk 3\nlimits 1 1 1 1 1 1 0\n", ":2: the line has 0, which is not between"},
+           {"cyclorama-walk 3\nspeeds 1\n", ":2: the line does not begin with 'limits'"},
            {head + "tick x\n", ":6: the line has 'x' for a number"},
            {head + "tick 1 0 0 0 0 0 0 somebody\n", "nobody who steers"},
            {head + "tick 1 nan 0 0 0 0 0 tag\n", "has nan"},
@@ -118,7 +118,10 @@ TEST(WalkRecord, names_the_line_and_the_mistake) {
            {head + "open 1 x 1 0 0 0 1 3 0 0 1 0 2 0 0\n", "leaves no room"},
            {head + "open 1 x 1 0 0 0 1 9999999999 0 0\n", "at most"},
            {head + "open 1 x 0 0 0 0 0 0\n", "has 0, which is not between"},
-           {head + "open 1 x 1 9 9 0 1 4 0 0 1 0 1 1 0 1 0\n", "starts outside"},
+           {head + "open 1 x 1 9 9 0 1 4 0 0 1 0 1 1 0 1 0 0 1 1 0\n", "starts outside"},
+           {head + "open 1 x 1 0.5 0.5 0 1 4 0 0 1 0 1 1 0 1 1 9 9 0 1\n", "ends too early"},
+           {head + "open 1 x 1 0.5 0.5 0 1 4 0 0 1 0 1 1 0 1 1 9 9 0 1 0 1 1 0\n", "has a stop outside"},
+           {head + "led 1 1025\n", "at most"},
            {head + "pose 1 1 1 1 0 0 1  0 0 0 1\n", "empty word"},
        }) {
     const auto record = parse_walk_record(wrong.text, "visit.walk");

@@ -13,10 +13,9 @@
 
 #include "common/geometry/guard_band.h"
 #include "kiosk/tour/navigation/walk_record.h"
-#include "kiosk/tour/session/tour_service.h"
 #include "tests/doubles/fake_display.h"
-#include "tests/doubles/fake_farm.h"
 #include "tests/doubles/fake_tracker.h"
+#include "tests/support/tour_process.h"
 
 namespace cyclorama::tour {
 namespace {
@@ -24,82 +23,6 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-/// The tour's process without its main().
-class TourProcess {
- public:
-  explicit TourProcess(TourSettings settings) : inspection_("tour") {
-    auto tour = Tour::start(std::move(settings), &inspection_);
-    CHECK(tour);
-    tour_ = *std::move(tour);
-    service_.emplace(tour_->displays(), tour_.get());
-    auto server = WireServer::start("[::1]:0", {&*service_, &inspection_});
-    CHECK(server);
-    server_ = *std::move(server);
-  }
-  ~TourProcess() { stop(); }
-  void stop() {
-    tour_->stop();
-    server_->stop(200ms);
-  }
-  [[nodiscard]] std::string address() const { return "[::1]:" + std::to_string(server_->port()); }
-  [[nodiscard]] std::optional<SavedPosition> position() { return tour_->position(); }
-  [[nodiscard]] std::string recording() { return tour_->take_recording(); }
-  [[nodiscard]] wire::ProcessStatus status() const { return inspection_.status(); }
-  [[nodiscard]] double gauge(const std::string& name) const {
-    const wire::ProcessStatus now = status();
-    for (const auto& gauge : now.gauges()) {
-      if (gauge.name() == name) return gauge.value();
-    }
-    return std::numeric_limits<double>::quiet_NaN();
-  }
-  [[nodiscard]] std::uint64_t stage_count(const std::string& name) const {
-    const wire::ProcessStatus now = status();
-    for (const auto& stage : now.stages()) {
-      if (stage.name() == name) return stage.count();
-    }
-    return 0;
-  }
-  /// Polls, since the InspectionService wakes nobody when a value changes.
-  bool eventually(const std::function<bool()>& condition) {
-    std::mutex mutex;
-    std::condition_variable never;
-    std::unique_lock lock(mutex);
-    const TimePoint end = SteadyClock().now() + 20s;
-    while (!condition()) {
-      if (SteadyClock().now() > end) return false;
-      never.wait_for(lock, 5ms);
-    }
-    return true;
-  }
-  grpc::Status steer(double forward, double right, double turn) {
-    auto channel = make_channel(address());
-    CHECK(channel);
-    grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() + 5s);
-    wire::SteerRequest request;
-    request.set_forward(forward);
-    request.set_right(right);
-    request.set_turn(turn);
-    wire::SteerReply reply;
-    return wire::Tour::NewStub(*channel)->Steer(&context, request, &reply);
-  }
-
- private:
-  InspectionService inspection_;
-  std::unique_ptr<Tour> tour_;
-  std::optional<TourService> service_;
-  std::unique_ptr<WireServer> server_;
-};
-
-/// Returns settings with a fixed quality, since the fake farm does not refine.
-TourSettings settings_for(const FakeFarm& farm) {
-  TourSettings settings = default_tour_settings();
-  settings.picture.frame_budget_ms = 0.0;
-  settings.coordinators = {farm.address()};
-  settings.navigation.guide_after = 0s;
-  return settings;
-}
 
 TEST(Tour, shows_frames_on_a_display_with_a_guard_band) {
   FakeFarm farm;
@@ -203,7 +126,7 @@ TEST(Tour, requests_views_of_where_the_visitor_will_be_and_tells_displays_where_
   }
   std::size_t of_the_present = 0;
   for (const wire::Heading& heading : display.headings()) {
-    if (!heading.has_eye_m()) continue;  // Before the first frame was shown.
+    if (!heading.has_eye_m()) continue;  // Before the first scene.
     EXPECT_TRUE(walked.contains(pose_of(heading)));
     EXPECT_EQ(heading.eye_m().y(), 1.6);
     ++of_the_present;
@@ -212,19 +135,6 @@ TEST(Tour, requests_views_of_where_the_visitor_will_be_and_tells_displays_where_
   std::size_t of_the_future = 0;
   for (const wire::View& view : farm.views()) of_the_future += walked.contains(pose_of(view)) ? 0U : 1U;
   EXPECT_GT(of_the_future, 0u);
-}
-
-TEST(Tour, tells_displays_no_eye_until_they_show_a_frame_of_its_scene) {
-  FakeFarm farm;
-  farm.set_gate(false);
-  TourProcess tour(settings_for(farm));
-  FakeDisplay display(tour.address());
-  ASSERT_TRUE(farm.wait_for_views(1));
-  ASSERT_EQ(tour.steer(0.0, 0.0, 1.0).error_code(), grpc::OK);
-  ASSERT_TRUE(display.wait_until([](const auto& d) { return d.headings().size() > 5; }));
-  for (const wire::Heading& heading : display.headings()) EXPECT_FALSE(heading.has_eye_m());
-  farm.set_gate(true);
-  EXPECT_TRUE(display.wait_until([](const auto& d) { return d.headings().back().has_eye_m(); }));
 }
 
 TEST(Tour, sends_no_heading_while_the_visitor_stands_still) {

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The card of the tour's stops: the list, and the buttons that lead to them or change them.
+import { byId, make } from "./helpers.js";
+import { ask } from "./requests.js";
+
+const kEvery = 2000; // Milliseconds between two looks at the list.
+
+async function request(body, done) {
+  const note = byId("stops-note");
+  note.classList.remove("wrong");
+  try {
+    const answer = await ask("/stops", body);
+    note.textContent = done(answer);
+  } catch (problem) {
+    note.textContent = `That did not work: ${problem.message}`;
+    note.classList.add("wrong");
+  }
+  await showStops();
+}
+
+function line(stop, isHere) {
+  const item = make("li");
+  const button = make("button", stop.title || stop.name);
+  button.title = stop.text || stop.name;
+  button.classList.toggle("held", isHere);
+  button.addEventListener("click", () => request({ do: "go", name: stop.name }, () => ""));
+  item.append(button);
+  if (stop.is_kept) item.append(make("span", "kept for the farm's absence", "figures-line"));
+  return item;
+}
+
+async function showStops() {
+  const answer = await fetch("/stops").catch(() => null);
+  byId("stops").hidden = !answer || !answer.ok;
+  if (byId("stops").hidden) return;
+  const list = await answer.json();
+  byId("stops-title").textContent = list.title ? `Stops: ${list.title}` : "Stops";
+  byId("stops-list").replaceChildren(...list.stops.map((stop, i) => line(stop, i === list.at)));
+  if (list.problem) byId("stops-note").textContent = `The newest tour is refused: ${list.problem}`;
+}
+
+byId("stop-previous").addEventListener("click", () => request({ do: "previous" }, () => ""));
+byId("stop-next").addEventListener("click", () => request({ do: "next" }, () => ""));
+byId("stop-here").addEventListener("click", () => request({ do: "stop-here" }, (added) => `Added ${added.name}.`));
+byId("stop-undo").addEventListener("click", () => request({ do: "undo" }, () => "Undone."));
+
+showStops();
+setInterval(showStops, kEvery);

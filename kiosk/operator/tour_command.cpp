@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "common/base/file.h"
+#include "common/base/named_number.h"
 #include "common/base/text.h"
 #include "kiosk/operator/tour_call.h"
 #include "kiosk/tour/plan/svx_import.h"
@@ -42,6 +43,8 @@ void TourCommand::add_to(CLI::App* app) {
   added.add_option("--title", title, "Its title, in the tour's first language");
   command.add_subcommand("undo", "Undo the last stop-here, or the last undo");
   command.add_subcommand("fetch", "Fetch the pictures for the farm's absence now, although somebody visits");
+  CLI::App& dimmed = *command.add_subcommand("lamps", "Fade groups of lamps of the scene to a level");
+  dimmed.add_option("GROUP=LEVEL", lamps, "0 to 4; 1: as the scene describes it; any number of groups")->required();
   CLI::App& checked = *command.add_subcommand("check", "Check a tour's folder without a visit");
   checked.add_option("FOLDER", folder, "With tour.toml")->required();
   CLI::App& imported =
@@ -58,6 +61,7 @@ Status TourCommand::run(const CLI::App& app) const {
   if (command.got_subcommand("stop-here")) return add();
   if (command.got_subcommand("undo")) return undo();
   if (command.got_subcommand("fetch")) return fetch();
+  if (command.got_subcommand("lamps")) return dim();
   if (command.got_subcommand("check")) return check();
   return import_tour();
 }
@@ -111,6 +115,16 @@ Status TourCommand::fetch() const {
   TRY(call_tour<wire::FetchPicturesReply>(tour, "fetching pictures", wire::FetchPicturesRequest(),
                                           &wire::Tour::Stub::FetchPictures));
   fmt::print("the pictures are being fetched; 'cyclorama tour show' marks those that are kept\n");
+  return Done{};
+}
+
+Status TourCommand::dim() const {
+  wire::SetLampsRequest request;
+  for (const std::string& text : lamps) {
+    TRY_ASSIGN(const NamedNumber level, parse_named_number(text));
+    (*request.mutable_levels())[level.name] = static_cast<float>(level.number);
+  }
+  TRY(call_tour<wire::SetLampsReply>(tour, "fading lamps", request, &wire::Tour::Stub::SetLamps));
   return Done{};
 }
 

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
 
@@ -15,6 +16,7 @@ struct TourCommand {
   std::string target;  ///< "next", "previous" or a stop's name.
   std::string name;
   std::string title;
+  std::vector<std::string> lamps;  ///< GROUP=LEVEL.
   std::string folder;
   std::string svx;
   std::size_t svx_tour = 1;
@@ -29,6 +31,7 @@ struct TourCommand {
   [[nodiscard]] Status add() const;
   [[nodiscard]] Status undo() const;
   [[nodiscard]] Status fetch() const;
+  [[nodiscard]] Status dim() const;
   [[nodiscard]] Status check() const;
   [[nodiscard]] Status import_tour() const;
 };

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/named_number.h"
 #include "common/image/pfm.h"
 #include "common/image/png.h"
 #include "common/process/progress.h"
@@ -27,7 +28,7 @@ struct PictureOptions {
   bool denoise = false;
   std::string light;
   std::optional<int> bounces;
-  std::vector<std::pair<std::string, float>> lamps;
+  std::vector<std::string> lamps;  ///< GROUP=LEVEL.
 };
 
 /// Calls `render` for each band of `band_px` rows and adds up the costs that it returns.
@@ -50,18 +51,20 @@ Result<Image> in_bands(const render::PanoramaView& view, int band_px, const Stop
   return image;
 }
 
-/// Returns the levels of the groups that the options name. Errors: kInvalidArgument for a name that is not the scene's.
+/// Returns the levels of the groups that the options name. Errors: kInvalidArgument for a text that is not GROUP=LEVEL
+/// and for a name that is not the scene's.
 Result<scene::LampLevels> levels_of(const PictureOptions& options, const scene::SceneInfo& info) {
   scene::LampLevels levels = scene::kAuthoredLamps;
-  for (const auto& [name, level] : options.lamps) {
-    const auto group = std::ranges::find(info.lamp_groups, name);
+  for (const std::string& text : options.lamps) {
+    TRY_ASSIGN(const NamedNumber level, parse_named_number(text));
+    const auto group = std::ranges::find(info.lamp_groups, level.name);
     if (group == info.lamp_groups.end()) {
       return Error(
           ErrorCode::kInvalidArgument,
-          fmt::format("the scene has no group of lamps '{}'; it has {}", name,
+          fmt::format("the scene has no group of lamps '{}'; it has {}", level.name,
                       info.lamp_groups.empty() ? "none" : fmt::format("{}", fmt::join(info.lamp_groups, ", "))));
     }
-    levels[1 + static_cast<std::size_t>(group - info.lamp_groups.begin())] = level;
+    levels[1 + static_cast<std::size_t>(group - info.lamp_groups.begin())] = static_cast<float>(level.number);
   }
   return levels;
 }
@@ -135,7 +138,7 @@ RenderCommand add_picture_command(CLI::App* program) {
   parser
       ->add_option("--light", options->light, "File of stored light (cyclorama-render light) to read where it has any")
       ->check(CLI::ExistingFile);
-  parser->add_option("--lamps", options->lamps, "Groups of lamps and their levels, 0 to 4, such as daylight 0.2");
+  parser->add_option("--lamps", options->lamps, "GROUP=LEVEL of a group of lamps, 0 to 4; repeat it");
   parser->add_option("--json", options->json, "Also write the cost, as JSON");
   return {parser, [options](const StopSignal& stop) { return picture(*options, stop); }};
 }

@@ -134,6 +134,12 @@ class PlanReader {
     planned.keep = table.flag("keep", true) && keep;
     planned.title = read_texts(table, "title", kMaxTitleBytes);
     planned.text = read_texts(table, "text", kMaxTextBytes);
+    for (ConfigTable& lamps : table.tables("lamps")) {
+      const std::string group = lamps.text("group");
+      const auto level = static_cast<float>(lamps.number("level", {0.0, 4.0}));
+      if (!planned.lamps.emplace(group, level).second)
+        lamps.refuse("group", fmt::format("'{}' has two levels at this stop; keep one", printable(group)));
+    }
     stop.title = planned.title.empty() ? stop.name : planned.title[plan_.languages.front()];
     plan_.stops.push_back(std::move(planned));
   }

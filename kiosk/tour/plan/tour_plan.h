@@ -28,6 +28,9 @@
 ///   en = "The reclining Buddha"
 ///   [stop.text]
 ///   en = "Clay on a sandstone core."
+///   [[stop.lamps]]                    # Groups of lamps of the scene, which fade to a level; others stay.
+///   group = "daylight"
+///   level = 0.2                       # 0 to 4; 1: as the scene describes them.
 ///   [[way]]                           # Left out: on foot by the shortest way.
 ///   from = "entrance"
 ///   to = "buddha"                     # And back.
@@ -56,6 +59,7 @@ struct PlannedStop {
   Texts title;
   Texts text;
   bool keep = true;  ///< False also where the whole tour must not be kept.
+  std::map<std::string, float> lamps;  ///< Levels of the scene's groups of lamps, by name.
 };
 
 /// A value; `ways` and the stops' order are those of the file.

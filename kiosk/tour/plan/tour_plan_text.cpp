@@ -32,6 +32,8 @@ std::string to_toml(const PlannedStop& planned) {
   if (!planned.keep) add(&text, "keep = false\n");
   add_texts(&text, "stop.title", planned.title);
   add_texts(&text, "stop.text", planned.text);
+  for (const auto& [group, level] : planned.lamps)
+    add(&text, "[[stop.lamps]]\ngroup = {}\nlevel = {}\n", toml_string(group), level);
   return text;
 }
 

@@ -6,7 +6,7 @@
 
 namespace cyclorama::tour {
 
-/// Requests about the tour's stops; museum.proto states their errors. Called on gRPC's threads, so implementations are
+/// Requests about the tour's stops and the scene's lamps; museum.proto states their errors. Called on gRPC's threads, so implementations are
 /// thread-safe; they may read and write the tour's file, but wait for nobody.
 class StopRequests {
  public:
@@ -15,6 +15,7 @@ class StopRequests {
   virtual Result<wire::GoToStopReply> go_to_stop(const wire::GoToStopRequest& request) = 0;
   virtual Result<wire::AddStopReply> add_stop(const wire::AddStopRequest& request) = 0;
   virtual Result<wire::UndoStopReply> undo_stop() = 0;
+  virtual Result<wire::SetLampsReply> set_lamps(const wire::SetLampsRequest& request) = 0;
   virtual Result<wire::FetchPicturesReply> fetch_pictures() = 0;
 
  protected:

@@ -92,6 +92,7 @@ void Tour::walk() {
     wake_ = false;
     if (visit_) change(Tick{}, now);
     keep_visiting(now);
+    tend_lamps(now);
     send_heading(now);
     request_frame(now);
     if (now - shown_at_ >= kRestingTick) show_state(now);
@@ -101,8 +102,8 @@ void Tour::walk() {
 }
 
 TimePoint Tour::next_round(TimePoint now) {
-  const bool resting =
-      !visit_ || (walk_.navigation.walker.is_at_rest() && walk_.navigation.steering_source == SteeringSource::kNobody);
+  const bool resting = !visit_ || (walk_.navigation.walker.is_at_rest() &&
+                                   walk_.navigation.steering_source == SteeringSource::kNobody && !lamps_.is_moving());
   // Ticks of the walk are evenly spaced, whatever else wakes the thread, since displays show one pose per tick.
   if (now >= next_tick_) next_tick_ += kWalkStep;
   if (resting || next_tick_ <= now || next_tick_ > now + kWalkStep) next_tick_ = now + kWalkStep;
@@ -164,6 +165,7 @@ std::optional<wire::View> Tour::next_view(const Walker& walker) const {
   view.set_samples(static_cast<std::uint32_t>(settings_.picture.samples));
   view.set_jpeg_quality(static_cast<std::uint32_t>(settings_.picture.jpeg_quality));
   view.set_subsample_chroma(settings_.picture.subsample_chroma);
+  for (const float level : lamps_.levels()) view.add_lamp_levels(level);
   view.set_shutter_ns(walk_.navigation.steering_source == SteeringSource::kTag ? visit_->shutter_ns : 0);
   return view;
 }

@@ -19,6 +19,7 @@
 #include "kiosk/tour/plan/tour_plan.h"
 #include "kiosk/tour/session/display_hub.h"
 #include "kiosk/tour/session/display_roster.h"
+#include "kiosk/tour/session/lamp_fade.h"
 #include "kiosk/tour/session/show_meter.h"
 #include "kiosk/tour/session/show_schedule.h"
 #include "kiosk/tour/session/stop_pictures.h"
@@ -80,6 +81,7 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   Result<wire::GoToStopReply> go_to_stop(const wire::GoToStopRequest& request) override;
   Result<wire::AddStopReply> add_stop(const wire::AddStopRequest& request) override;
   Result<wire::UndoStopReply> undo_stop() override;
+  Result<wire::SetLampsReply> set_lamps(const wire::SetLampsRequest& request) override;
   Result<wire::FetchPicturesReply> fetch_pictures() override;
 
   void on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) override;
@@ -138,6 +140,8 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   /// Cuts where the guide has to, and continues with kept pictures while the farm is away.
   void keep_visiting(TimePoint now);
   void show_kept(std::size_t stop, TimePoint now);
+  /// Sets the lamps of the stop that the visitor has reached or is led to, and fades to them.
+  void tend_lamps(TimePoint now);
   /// Returns the stop itself, or the next one in steps of `step`, that can be shown now; nothing if none can.
   [[nodiscard]] std::optional<std::size_t> showable(std::size_t stop, int step) const;
   [[nodiscard]] std::optional<std::size_t> nearest_kept() const;
@@ -187,6 +191,8 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   std::optional<Projection> wanted_;  ///< Picture that the displays needed last.
   bool are_pictures_told_ = false;    ///< `pictures_` has the present stops and wanted_.
   bool is_fetch_requested_ = false;
+  LampFade lamps_;
+  std::optional<std::size_t> lamps_of_stop_;  ///< Stop whose lamps were set last.
   std::optional<std::size_t> kept_shown_;   ///< Stop whose kept picture the displays show.
   std::unique_ptr<StopPictures> pictures_;  ///< Null: no folder is set.
 

@@ -227,6 +227,11 @@ grpc::ServerUnaryReactor* TourService::UndoStop(grpc::CallbackServerContext* con
   return answered(context, stops_.undo_stop(), reply);
 }
 
+grpc::ServerUnaryReactor* TourService::SetLamps(grpc::CallbackServerContext* context,
+                                                const wire::SetLampsRequest* request, wire::SetLampsReply* reply) {
+  return answered(context, stops_.set_lamps(*request), reply);
+}
+
 grpc::ServerUnaryReactor* TourService::FetchPictures(grpc::CallbackServerContext* context,
                                                      const wire::FetchPicturesRequest*,
                                                      wire::FetchPicturesReply* reply) {

@@ -33,6 +33,8 @@ class TourService final : public wire::Tour::CallbackService {
                                     wire::AddStopReply* reply) override;
   grpc::ServerUnaryReactor* UndoStop(grpc::CallbackServerContext* context, const wire::UndoStopRequest* request,
                                      wire::UndoStopReply* reply) override;
+  grpc::ServerUnaryReactor* SetLamps(grpc::CallbackServerContext* context, const wire::SetLampsRequest* request,
+                                     wire::SetLampsReply* reply) override;
   grpc::ServerUnaryReactor* FetchPictures(grpc::CallbackServerContext* context,
                                           const wire::FetchPicturesRequest* request,
                                           wire::FetchPicturesReply* reply) override;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The stops of a visit: the curator's tour, requests about stops, cuts, and kept pictures while the farm is away.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -32,8 +33,17 @@ TourPlan plan_of_scene(const Site& site, const std::string& scene) {
   plan.scene = scene;
   plan.languages = {"en"};
   for (const GuideStop& stop : site.stops)
-    plan.stops.push_back({stop, {{"en", printable(stop.title, kMaxTitleBytes)}}, {}, true});
+    plan.stops.push_back({stop, {{"en", printable(stop.title, kMaxTitleBytes)}}, {}, true, {}});
   return plan;
+}
+
+/// Adds the levels of a stop to its view; groups that it does not set are as the scene describes them.
+void add_lamps(const LampSettings& lamps, const wire::SceneDescription& scene, wire::View* ret_view) {
+  if (lamps.empty()) return;
+  for (const std::string& group : scene.lamp_groups()) {
+    const auto level = lamps.find(group);
+    ret_view->add_lamp_levels(level == lamps.end() ? 1.0f : level->second);
+  }
 }
 
 }  // namespace
@@ -49,6 +59,8 @@ void Tour::open(const wire::SceneDescription& scene, TimePoint now) {
     start.heading_rad = settings_.resume->heading_rad;
   }
   visit_ = std::move(visit);
+  if (const auto& names = scene.lamp_groups(); lamps_.groups() != std::vector<std::string>(names.begin(), names.end()))
+    lamps_.open({names.begin(), names.end()});
   apply_plan(now);
   visit_->can_walk = can_walk(walk_.site, settings_.navigation.limits);
   if (is_other) begin_cut();
@@ -57,6 +69,16 @@ void Tour::open(const wire::SceneDescription& scene, TimePoint now) {
 Result<TourPlan> Tour::plan_of(const std::string& text) const {
   const std::string name = TourFolder(settings_.tour_folder).file().string();
   TRY_ASSIGN(TourPlan plan, parse_tour_plan(text, name, scene_site_.area.get()));
+  const auto& groups = visit_->scene.lamp_groups();
+  for (const PlannedStop& stop : plan.stops) {
+    for (const auto& [group, level] : stop.lamps) {
+      if (std::ranges::find(groups, group) != groups.end()) continue;
+      return Error(ErrorCode::kInvalidArgument,
+                   fmt::format("{}: stop '{}' sets the lamps '{}', and '{}' has {}; correct 'group'", name,
+                               stop.stop.name, printable(group), printable(visit_->scene.name()),
+                               groups.empty() ? "none" : printable(fmt::format("{}", fmt::join(groups, ", ")))));
+    }
+  }
   if (plan.scene.empty() || plan.scene == visit_->scene.name()) return plan;
   return Error(ErrorCode::kInvalidArgument,
                fmt::format("{}: is a tour of '{}', and the visit is to '{}'; correct 'scene', or leave it out", name,
@@ -82,6 +104,7 @@ void Tour::apply_plan(TimePoint now) {
   change(SceneOpened{visit_->scene.name(), std::move(site)}, now);
   kept_shown_.reset();
   are_pictures_told_ = false;
+  lamps_of_stop_.reset();
 }
 
 void Tour::read_plan() {
@@ -211,13 +234,26 @@ void Tour::tend_pictures(TimePoint now) {
     std::vector<StopPictures::Wanted> list;
     for (std::size_t i = 0; i < walk_.site.stops.size(); ++i) {
       const GuideStop& stop = walk_.site.stops[i];
-      if (!plan_ || plan_->stops[i].keep) list.push_back({stop.name, view_of(stop, *wanted_), scene});
+      if (plan_ && !plan_->stops[i].keep) continue;
+      wire::View view = view_of(stop, *wanted_);
+      if (plan_) add_lamps(plan_->stops[i].lamps, visit_->scene, &view);
+      list.push_back({stop.name, std::move(view), scene});
     }
     pictures_->set_wanted(visit, std::move(list));
   }
   const auto steered_at = walk_.navigation.steered_at;
   const bool is_idle = hub_.count() == 0 || (steered_at && now - *steered_at >= settings_.fetch_after);
   pictures_->allow(!farm_away_ && (is_idle || is_fetch_requested_));
+}
+
+void Tour::tend_lamps(TimePoint now) {
+  const std::optional<std::size_t>& stop = walk_.navigation.stop;
+  if (plan_ && stop && stop != lamps_of_stop_) {
+    lamps_of_stop_ = stop;
+    const Status wanted = lamps_.want(plan_->stops[*stop].lamps);
+    CHECK(wanted.has_value());  // plan_of() has checked the names, and the file's reader the levels.
+  }
+  lamps_.step(now);
 }
 
 void Tour::show_tour(TimePoint now) {
@@ -327,6 +363,18 @@ Result<wire::UndoStopReply> Tour::undo_stop() {
   TRY(TourFolder(settings_.tour_folder).undo());
   read_plan();
   return wire::UndoStopReply();
+}
+
+Result<wire::SetLampsReply> Tour::set_lamps(const wire::SetLampsRequest& request) {
+  wire::SetLampsReply reply;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!visit_) return no_scene();
+    TRY(lamps_.want({request.levels().begin(), request.levels().end()}));
+    for (const std::string& group : lamps_.groups()) reply.add_groups(group);
+  }
+  wake();
+  return reply;
 }
 
 Result<wire::FetchPicturesReply> Tour::fetch_pictures() {

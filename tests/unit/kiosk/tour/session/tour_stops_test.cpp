@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <set>
 
 #include "common/base/file.h"
 #include "tests/doubles/fake_display.h"
@@ -110,6 +111,46 @@ TEST_F(TourStops, are_reached_by_a_soft_cut_with_reduced_motion) {
     if (!heading.has_eye_m()) continue;
     EXPECT_EQ(heading.cuts(), heading.eye_m().x() == 4.0 ? cuts + 1 : cuts);
   }
+}
+
+TEST_F(TourStops, fade_the_lamps_that_they_set_and_a_person_may_fade_them_otherwise) {
+  const std::string dark = "[[stop.lamps]]\ngroup = \"daylight\"\nlevel = 0\n";
+  write(kTour + dark);  // The last stop's.
+  wire::SceneDescription scene = fake_scene("plain");
+  scene.add_lamp_groups("daylight");
+  scene.add_lamp_groups("torch");
+  FakeFarm farm(scene);
+  TourProcess tour(settings(farm));
+  FakeDisplay display(tour.address());
+  ASSERT_TRUE(is_listed(tour));
+  ASSERT_TRUE(farm.wait_for_views(1));
+  EXPECT_EQ(farm.views().back().lamp_levels_size(), 0) << "as the scene describes them";
+  const auto has_levels = [&](float daylight, float torch) {
+    return tour.eventually([&] {
+      const wire::View view = farm.views().back();
+      return view.lamp_levels_size() == 2 && view.lamp_levels(0) == daylight && view.lamp_levels(1) == torch;
+    });
+  };
+  ASSERT_TRUE(tour->go_to_stop(named("secret")));
+  EXPECT_TRUE(has_levels(0.0f, 1.0f));
+  std::set<float> seen;
+  for (const wire::View& view : farm.views()) {
+    if (view.lamp_levels_size() == 2) seen.insert(view.lamp_levels(0));
+  }
+  EXPECT_GT(seen.size(), 5u) << "softly";
+
+  wire::SetLampsRequest request;
+  (*request.mutable_levels())["torch"] = 2.0f;
+  const auto set = tour->set_lamps(request);
+  ASSERT_TRUE(set) << set.error().message();
+  EXPECT_THAT(set->groups(), testing::ElementsAre("daylight", "torch"));
+  EXPECT_TRUE(has_levels(0.0f, 2.0f));
+  (*request.mutable_levels())["moon"] = 1.0f;
+  EXPECT_EQ(tour->set_lamps(request).error().code(), ErrorCode::kNotFound);
+
+  write(std::string(kTour) + "[[stop.lamps]]\ngroup = \"moon\"\nlevel = 1\n");
+  tour->read_plan();
+  EXPECT_THAT(tour->list_stops()->problem(), HasSubstr("sets the lamps 'moon', and 'plain' has daylight, torch"));
 }
 
 TEST_F(TourStops, stay_those_of_before_when_the_new_file_is_wrong) {

@@ -149,6 +149,26 @@ TEST_F(ShownHistoryTest, has_the_moment_before_an_interval_and_those_within) {
   ASSERT_EQ(ask(6, 7).moments.size(), 1u);
 }
 
+TEST_F(ShownHistoryTest, has_no_picture_while_two_frames_are_mixed) {
+  static_cast<void>(ask(0, 0));
+  history_.frame_ready(frame_of(1, shape_));
+  history_.frame_ready(frame_of(2, shape_));
+  refresh(0, 1);
+  RefreshEvent mixed;
+  mixed.presented.at = at(1);
+  mixed.is_first_of_frame = true;
+  mixed.frame_order = 2;
+  mixed.is_fading_in = true;
+  history_.refreshed(mixed, true);
+  refresh(2);
+  const auto shown = ask(0, 2);
+  ASSERT_EQ(shown.moments.size(), 3u);
+  EXPECT_EQ(shown.moments[0].frame->order, 1u);
+  EXPECT_EQ(shown.moments[1].frame, nullptr);
+  ASSERT_NE(shown.moments[2].frame, nullptr);
+  EXPECT_EQ(shown.moments[2].frame->order, 2u);
+}
+
 TEST_F(ShownHistoryTest, has_no_picture_while_no_show_is_shown) {
   static_cast<void>(ask(0, 0));
   history_.frame_ready(frame_of(1, shape_));

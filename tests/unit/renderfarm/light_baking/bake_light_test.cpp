@@ -192,6 +192,28 @@ TEST(BakeLight, keeps_groups_of_lamps_apart_so_that_pictures_may_dim_them) {
   }
 }
 
+TEST(BakeLight, computes_nothing_for_a_group_without_light) {
+  scene::Scene scene = box_scene(0.6f, 8);
+  scene.model.lights = {point_light({0.5, 1.2, 0.4}, 20.0f)};
+  scene.model.lights[0].radius_m = 0.2;
+  scene.exposure = 0.5;
+  const auto alone = built(scene);
+  const BakedLight one = baked(*alone);
+  scene.model.lights[0].group = 1;
+  scene.info.lamp_groups = {"lamp"};
+  const auto grouped = built(std::move(scene));
+  const BakedLight two = baked(*grouped);
+  render::PanoramaView view = view_from({0.3, 0.2, -0.1}, 96, 48, 1.0, -1.0);
+  view.quality.stored_light = true;
+  EXPECT_NEAR(mean_of(radiance_of(*grouped, view)), mean_of(radiance_of(*alone, view)), 0.01);
+  view.lamps = scene::levels_of(std::vector<float>{0.0f});
+  EXPECT_EQ(mean_of(radiance_of(*grouped, view)), 0.0);
+  std::size_t lit = 0;
+  for (const BakeStage& stage : two.stages) lit += stage.name == "last bounce" ? 1u : 0u;
+  EXPECT_EQ(lit, 1u) << "of the lamp's group alone";
+  EXPECT_EQ(two.grids, one.grids);
+}
+
 TEST(BakeLight, leaves_nothing_behind_when_it_is_cancelled) {
   const auto renderer = built(box_scene(0.5f, 2));
   int calls = 0;

@@ -173,6 +173,10 @@ def check_update(computer, folder):
     sign(update, folder / "ours")
     (update / "cyclorama-museum_2.efi").write_bytes(b"kernal")
     bad += refused("an update that is damaged", "damaged")
+    # While keys are changed, computers trust the old and the new one.
+    both = subprocess.run(["openssl", "pkey", "-in", str(folder / "theirs"), "-pubout"], check=True, capture_output=True).stdout
+    (folder / "update.pub").write_bytes(both + (folder / "update.pub").read_bytes())
+    bad += expect("an update signed with the second of two keys is checked further", computer.run("update", update) == 1 and "damaged" in computer.report("update"), computer.report("update"))
     # The boot loader counts attempts in the name.
     kernels = folder / "esp/EFI/Linux"
     kernels.mkdir(parents=True)

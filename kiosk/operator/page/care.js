@@ -164,7 +164,14 @@ function showSoftware(update, page) {
       ? `Version ${page.version} of this page; the image's updater has not reported anything.`
       : `Version ${update.version}. ${words[update.state]}${update.available ? ` (${update.available})` : ""}`;
   byId("software-buttons").hidden = !page.requests;
+  if (page.recovery) byId("recovery").hidden = false;
 }
+
+press("recovery-key", async (button) => {
+  const answer = await ask("/recovery-key", {});
+  button.hidden = true;
+  byId("recovery-words").textContent = `Write it down, and keep it where the museum keeps its keys: ${answer.key}`;
+});
 
 press("update", async () => {
   await ask("/request", { request: "update" });

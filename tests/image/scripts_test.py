@@ -353,16 +353,33 @@ def check_fetch_program(build, folder):
 
 
 def check_health(computer, folder):
-    """A version on trial that is not well is rolled back; one that was good before stays."""
+    """A version on trial that is not well is rolled back; one that was good before stays, and has three attempts again."""
     bad = 0
-    counted = folder / "counted"
-    where = {"CYCLORAMA_COUNTED": str(counted), "CYCLORAMA_SETTINGS": str(computer.defaults)}
-    for well in (True, False):
+    kernels = folder / "boot/EFI/Linux"
+    where = {"CYCLORAMA_ESP": str(folder / "boot"), "CYCLORAMA_SETTINGS": str(computer.defaults)}
+    good, well_versions = folder / "boot/loader/good-versions", computer.state / "well-versions"
+
+    def start(version, name, well):
+        """Starts a version whose kernel image has this name, as the boot loader left it."""
+        shutil.rmtree(kernels, ignore_errors=True)
+        kernels.mkdir(parents=True)
+        (kernels / name).write_text("")
+        (folder / "os-release").write_text(f"IMAGE_ID=cyclorama-museum\nIMAGE_VERSION={version}\n")
         computer.stub("cyclorama-health", f'[ "$2" = 3 ] || exit 9; exit {0 if well else 1}')
-        counted.write_text("")
-        bad += expect(f"a version on trial that is {'' if well else 'not '}well {'stays' if well else 'is rolled back'}", computer.run("health", **where) == (0 if well else 1))
-        counted.unlink()
-        bad += expect(f"one that was good and is {'' if well else 'not '}well stays", computer.run("health", **where) == 0)
+        status = computer.run("health", **where)
+        return status, [kernel.name for kernel in kernels.iterdir()]
+    bad += expect("a flashed version that is not well stays", start("1", "cyclorama-museum_1.efi", False) == (0, ["cyclorama-museum_1+3.efi"]))
+    bad += expect("it was not well yet", not well_versions.exists())
+    bad += expect("its attempts are counted from then on", start("1", "cyclorama-museum_1+2-1.efi", True) == (0, ["cyclorama-museum_1+3.efi"]))
+    bad += expect("a version on trial that is not well fails", start("2", "cyclorama-museum_2+2-1.efi", False) == (1, ["cyclorama-museum_2+2-1.efi"]))
+    bad += expect("and was not well", well_versions.read_text() == "1\n" and good.read_text() == "1\n")
+    bad += expect("one that is well stays", start("2", "cyclorama-museum_2+1-2.efi", True) == (0, ["cyclorama-museum_2+3.efi"]))
+    bad += expect("both were well", well_versions.read_text() == "1\n2\n" and good.read_text() == "1\n2\n")
+    bad += expect("a good version that is not well stays", start("2", "cyclorama-museum_2+2-1.efi", False) == (0, ["cyclorama-museum_2+3.efi"]))
+    bad += expect("as the one before does, after the other has rotted", start("1", "cyclorama-museum_1+2-1.efi", True) == (0, ["cyclorama-museum_1+3.efi"]))
+    bad += expect("which changes no order", well_versions.read_text() == "1\n2\n")
+    bad += expect("the third makes the first too old", start("10", "cyclorama-museum_10+2-1.efi", True)[0] == 0 and well_versions.read_text() == "2\n10\n" and good.read_text() == "2\n10\n", good.read_text())
+    bad += expect("a version is well wherever its kernel image is", start("10", "other.efi", True) == (0, ["other.efi"]))
     return bad
 
 

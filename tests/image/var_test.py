@@ -306,6 +306,33 @@ class Tests:
         one.start()
         self.expect("it is sealed for the new key from then on", one.state() == "encrypted" and one.has_settings(), one)
 
+    def no_way_back(self):
+        one = self.computer()
+        oldest = one.root / "sys/firmware/efi/efivars/CycloramaOldest-0ad63fd1-2c52-4be5-9a35-8f5a21b14f4e"
+        one.start()
+        well = one.root / "var/lib/cyclorama/well-versions"
+        one.save()
+        well.write_text("5\n")
+        one.start()
+        self.expect("with one good version, nothing is too old yet", not oldest.exists() and one.has_settings(), one)
+        well.write_text("5\n10\n")
+        one.version("10")
+        one.start()
+        self.expect("the version before the newest good one is noted in the firmware", oldest.exists() and oldest.read_bytes() == b"\7\0\0\0" + b"5", one)
+        for number, starts in (("5", True), ("4", False), ("4.9", False), ("11", True)):
+            one.version(number)
+            status = one.start()
+            self.expect(f"version {number} {'starts' if starts else 'does not start'}", (status == 0) == starts and one.has_settings() == starts, one)
+        one.version("4")
+        one.start()
+        self.expect("/var is not opened for an old one", "cryptsetup" not in (one.folder / "calls").read_text(), one)
+        oldest.unlink()
+        self.expect("nor used, when somebody removed the firmware's note", one.start() == 1 and not one.has_settings() and not (one.root / "dev/mapper/cyclorama-var").exists(), one)
+        for garbage in (b"", b"\7\0", b"\7\0\0\0", b"\7\0\0\0; reboot\n"):
+            oldest.write_bytes(garbage)
+            one.version("10")
+            self.expect(f"a note that is {garbage} does no harm", one.start() == 0 and one.has_settings() and oldest.read_bytes()[4:] == b"5", one)
+
     def reset(self):
         for how in ("sealed", "open"):
             one = self.computer(secure_boot=how == "sealed")
@@ -350,6 +377,7 @@ def main(source):
         tests.before_secure_boot()
         tests.recovered()
         tests.rotated()
+        tests.no_way_back()
         tests.reset()
         tests.first_start()
     print("var: ok" if tests.bad == 0 else f"var: {tests.bad} failed")

@@ -104,7 +104,7 @@ class Tests:
                       ["--import", keys / "update.key", "--token", "cyclorama", "--label", "update", "--id", "01", "--pin", PIN]):
             subprocess.run(["softhsm2-util", *map(str, words)], env=self.environment, check=True, capture_output=True)
         (keys / "update.key").unlink()
-        self.refused("a key that is nowhere", "neither update.key nor update.uri", "signing", "check", keys)
+        self.refused("a key that is nowhere", "has no update.key", "signing", "check", keys)
         (keys / "update.uri").write_text(f"pkcs11:token=cyclorama;object=update;type=private;pin-value={PIN}\n")
         self.expect("a key on a token is a key", self.run("signing", "check", keys)[0] == 0)
         manifest, signature = self.folder / "SHA256SUMS", self.folder / "token.sig"

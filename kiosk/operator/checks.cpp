@@ -190,6 +190,13 @@ class List {
       return add("settings", "Settings", CheckLevel::kWarning, "No stick with settings was ever plugged in.",
                  "Plug in a stick with a folder 'cyclorama' that has site.toml and installation.toml.");
     }
+    if (report->verdict == provision::ProvisioningVerdict::kUnconfirmed) {
+      return add(
+          "settings", "Settings", CheckLevel::kWarning,
+          fmt::format("The stick of {} was not taken: {}.", report->at,
+                      report->problems.empty() ? "nobody has answered for it" : printable(report->problems[0], 500)),
+          "If the stick is the museum's, press 'Take this stick' on the operator page.");
+    }
     if (report->verdict != provision::ProvisioningVerdict::kRefused) {
       return add("settings", "Settings", CheckLevel::kOk, fmt::format("Those of {} are in use.", report->at), "");
     }

@@ -175,14 +175,22 @@ void serve_requests(httplib::Server& server, MuseumServices* services) {
     const std::string wanted = json.is_object() && json.contains("request") && json["request"].is_string()
                                    ? json["request"].get<std::string>()
                                    : "";
-    if (wanted != "update" && wanted != "factory-reset") {
-      return answer_error(Error(ErrorCode::kBadData, "'request' must be update or factory-reset"), response);
+    if (wanted != "update" && wanted != "factory-reset" && wanted != "confirm-stick") {
+      return answer_error(Error(ErrorCode::kBadData, "'request' must be update, factory-reset or confirm-stick"),
+                          response);
+    }
+    // The digest that the page showed: another stick may have been plugged in since then.
+    const std::string digest =
+        json.contains("digest") && json["digest"].is_string() ? json["digest"].get<std::string>() : "";
+    if ((wanted == "confirm-stick") != provision::is_digest(digest)) {
+      return answer_error(Error(ErrorCode::kBadData, "'digest' must be the stick's, with confirm-stick alone"),
+                          response);
     }
     if (services->requests.empty()) {
       return answer_error(Error(ErrorCode::kNotFound, "this computer's software is not managed by the museum image"),
                           response);
     }
-    const Status made = write_file_atomically(services->requests / wanted, std::string_view("\n"));
+    const Status made = write_file_atomically(services->requests / wanted, digest + "\n");
     if (!made) return answer_error(made.error(), response);
     response.status = 204;
   });

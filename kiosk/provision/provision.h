@@ -18,6 +18,9 @@ struct ProvisionOrder {
   FolderLimits limits{};
   bool only_check = false;  ///< Report the outcome without changing anything.
   std::string at;           ///< Time for the report, as time_text() formats it.
+  /// True for what anybody can plug in: it must be the first, bear the owner's signature, or be confirmed.
+  bool is_stick = false;
+  std::string confirmed{};  ///< Digest of a stick that the operator confirmed on the page; empty: none.
 };
 
 /// Copies the folder, checks the copy, and puts it into use only if it has no problem. Bad settings are not an error;

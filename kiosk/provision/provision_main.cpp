@@ -34,6 +34,8 @@ struct Options {
   std::string programs = "/usr/bin";
   std::optional<std::string> changed;
   bool if_there = false;
+  bool is_stick = false;
+  std::optional<std::string> confirmed;
   std::string of = kMuseum;
 
   [[nodiscard]] SettingsOf owner() const { return of == kMuseum ? SettingsOf::kMuseum : SettingsOf::kFarmHost; }
@@ -62,6 +64,11 @@ void add_options(CLI::App& app, Options* options) {
         ->capture_default_str();
   }
   install.add_flag("--if-there", options->if_there, "A folder that is not there is no error");
+  CLI::Option* const stick = install.add_flag(
+      "--stick", options->is_stick,
+      "Anybody can plug the folder in: after the first one, it needs the owner's signature or a confirmation");
+  install.add_option("--confirmed", options->confirmed, "File with the digest of a stick that the operator confirmed")
+      ->needs(stick);
   for (CLI::App* const command : {&install, &restore}) {
     command->add_option("--changed", options->changed, "Write this file when the settings in use have changed");
   }
@@ -78,6 +85,13 @@ Status publish(const Options& options, const ProvisioningReport& report) {
       report.verdict == ProvisioningVerdict::kInstalled || report.verdict == ProvisioningVerdict::kRestored;
   if (is_new && options.changed) TRY(write_file_atomically(*options.changed, report.in_use + "\n"));
   return write_file_atomically(std::filesystem::path(options.state) / kProvisioningReportFile, report_json(report));
+}
+
+/// Returns the digest in a file; empty, which confirms nothing, if there is none.
+std::string digest_in(const std::string& path) {
+  constexpr std::size_t kMaxDigestBytes = 100;
+  const auto text = read_text_file(path, kMaxDigestBytes);
+  return text ? text->substr(0, text->find('\n')) : "";
 }
 
 Status run(const Options& options, const CLI::App& app) {
@@ -106,6 +120,8 @@ Status run(const Options& options, const CLI::App& app) {
   if (order.check.of == SettingsOf::kFarmHost) order.limits = farm_host_limits(options.state);
   order.only_check = app.got_subcommand("check");
   order.at = at;
+  order.is_stick = options.is_stick;
+  if (options.confirmed) order.confirmed = digest_in(*options.confirmed);
   auto report = provision(order, &store);
   if (!report) {
     // The page shows the failure, too, since nobody reads the journal.
@@ -127,6 +143,9 @@ Status run(const Options& options, const CLI::App& app) {
     case ProvisioningVerdict::kUnchanged:
       log(LogLevel::kNotice, fmt::format("these settings are in use already, as {}", report->in_use));
       return Done{};
+    case ProvisioningVerdict::kUnconfirmed:
+      return Error(ErrorCode::kUnavailable,
+                   fmt::format("the stick with '{}' is not the owner's, and waits for a confirmation", options.from));
     default:
       return Error(ErrorCode::kBadData,
                    fmt::format("the settings in '{}' are refused for {} reason{}; {}", options.from,

@@ -18,11 +18,12 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMaxReportBytes = 256 * 1024;
 constexpr std::size_t kMaxSentences = 100;
 constexpr std::size_t kMaxSentenceLength = 2000;
-constexpr std::array<std::pair<ProvisioningVerdict, std::string_view>, 4> kVerdicts{
+constexpr std::array<std::pair<ProvisioningVerdict, std::string_view>, 5> kVerdicts{
     {{ProvisioningVerdict::kInstalled, "installed"},
      {ProvisioningVerdict::kUnchanged, "unchanged"},
      {ProvisioningVerdict::kRefused, "refused"},
-     {ProvisioningVerdict::kRestored, "restored"}}};
+     {ProvisioningVerdict::kRestored, "restored"},
+     {ProvisioningVerdict::kUnconfirmed, "unconfirmed"}}};
 
 /// Returns false if the value of `key` is not a text, or is too long.
 bool read_text(const Json& json, const char* key, std::string* ret) {
@@ -70,6 +71,7 @@ std::string report_json(const ProvisioningReport& report) {
                   {"projectors", report.projectors},
                   {"certificate_until", report.certificate_until},
                   {"has_pin", report.has_pin},
+                  {"digest", report.digest},
                   {"problems", bounded(report.problems)},
                   {"remarks", bounded(report.remarks)}};
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -92,6 +94,9 @@ Result<ProvisioningReport> parse_report(std::string_view text) {
       projectors->get<std::uint64_t>() > 1000 || pin == json.end() || !pin->is_boolean()) {
     return bad;
   }
+  // Reports of earlier programs have none.
+  if (json.contains("digest") && !read_text(json, "digest", &report.digest)) return bad;
+  if (!report.digest.empty() && !is_digest(report.digest)) return bad;
   report.projectors = projectors->get<int>();
   report.has_pin = pin->get<bool>();
   const auto known =
@@ -99,6 +104,11 @@ Result<ProvisioningReport> parse_report(std::string_view text) {
   if (known == kVerdicts.end()) return bad;
   report.verdict = known->first;
   return report;
+}
+
+bool is_digest(std::string_view text) {
+  constexpr std::size_t kDigits = 64;
+  return text.size() == kDigits && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
 std::string time_text(std::time_t time) {

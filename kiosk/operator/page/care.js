@@ -106,6 +106,7 @@ function showSettings(provisioning) {
     unchanged: "The last USB stick had the settings that were already in use.",
     restored: "The previous settings are in use again.",
     refused: "The last USB stick was refused.",
+    unconfirmed: "A USB stick was plugged in that is not signed by the museum's owner.",
   };
   const museum = provisioning && provisioning.museum ? `Museum “${provisioning.museum}”, ` : "";
   byId("settings-state").textContent =
@@ -114,7 +115,14 @@ function showSettings(provisioning) {
       : `${words[provisioning.verdict]} ${museum}${provisioning.projectors} projectors.`;
   const sentences = provisioning === null ? [] : [...provisioning.problems, ...provisioning.remarks];
   byId("settings-remarks").replaceChildren(...sentences.map((sentence) => make("li", sentence)));
+  const isWaiting = provisioning !== null && provisioning.verdict === "unconfirmed";
+  byId("settings-buttons").hidden = !isWaiting;
+  byId("confirm-stick").dataset.digest = isWaiting ? provisioning.digest : "";
 }
+pressTwice("confirm-stick", "Really take the settings of this stick?", async () => {
+  await ask("/request", { request: "confirm-stick", digest: byId("confirm-stick").dataset.digest });
+  say("The stick is read again; leave it in, or plug it in again.");
+});
 
 function showHours(schedule) {
   const state = byId("hours-state");

@@ -141,6 +141,8 @@ INSTANTIATE_TEST_SUITE_P(
         Trouble{"disk", CheckLevel::kFault, [](Findings* f) { f->machine.is_read_only = true; }},
         Trouble{"memory", CheckLevel::kWarning, [](Findings* f) { f->machine.memory_free_share = 0.01; }},
         Trouble{"disk", CheckLevel::kFault, [](Findings* f) { f->machine.only_in_memory = "the TPM is gone"; }},
+        Trouble{"settings", CheckLevel::kWarning,
+                [](Findings* f) { f->provisioning->verdict = provision::ProvisioningVerdict::kUnconfirmed; }},
         Trouble{"secure-boot", CheckLevel::kFault, [](Findings* f) { f->machine.secure_boot = SecureBoot::kOff; }},
         Trouble{"secure-boot", CheckLevel::kFault,
                 [](Findings* f) { f->machine.secure_boot = SecureBoot::kSetupMode; }},

@@ -241,6 +241,13 @@ TEST(MuseumPage, starts_calibrations_tests_the_network_and_passes_requests_on) {
   EXPECT_EQ(page.post("/request", R"({"request": "update"})"), 204);
   EXPECT_TRUE(fs::exists(page.keep / "requests" / "update"));
   EXPECT_EQ(page.post("/request", R"({"request": "../update"})"), 400);
+  const std::string digest(64, 'a');
+  const std::string confirm = R"({"request": "confirm-stick", "digest": ")";
+  EXPECT_EQ(page.post("/request", R"({"request": "confirm-stick"})"), 400);
+  EXPECT_EQ(page.post("/request", (confirm + "../etc\"}").c_str()), 400);
+  EXPECT_EQ(page.post("/request", (R"({"request": "update", "digest": ")" + digest + "\"}").c_str()), 400);
+  EXPECT_EQ(page.post("/request", (confirm + digest + "\"}").c_str()), 204);
+  EXPECT_EQ(*read_text_file(page.keep / "requests" / "confirm-stick", 100), digest + "\n");
 }
 
 TEST(MuseumPage, shows_the_recovery_key_once_to_who_has_the_pin) {

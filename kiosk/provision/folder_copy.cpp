@@ -196,12 +196,6 @@ Result<UniqueFd> open_folder(const std::filesystem::path& path) {
   return fd;
 }
 
-bool is_path_of_plain_names(std::string_view path) {
-  const std::size_t slash = path.find('/');
-  if (slash == std::string_view::npos) return is_plain_name(path);
-  return is_plain_name(path.substr(0, slash)) && is_plain_name(path.substr(slash + 1));
-}
-
 }  // namespace
 
 bool is_plain_name(std::string_view name) {
@@ -211,6 +205,12 @@ bool is_plain_name(std::string_view name) {
   };
   return !name.empty() && name.size() <= kMaxNameLength && name.front() != '.' && name.front() != '-' &&
          std::all_of(name.begin(), name.end(), is_plain);
+}
+
+bool is_path_of_plain_names(std::string_view path) {
+  const std::size_t slash = path.find('/');
+  if (slash == std::string_view::npos) return is_plain_name(path);
+  return is_plain_name(path.substr(0, slash)) && is_plain_name(path.substr(slash + 1));
 }
 
 FolderLimits within(std::uintmax_t available_bytes, FolderLimits limits) {

@@ -103,7 +103,8 @@ Status look_at(const ProvisionOrder& order, const fs::path& folder, SettingsStor
   }
   compare_checksums(folder, copied->files, &report->problems);
   if (order.is_stick && !trust.remark.empty()) report->remarks.push_back(trust.remark);
-  SettingsVerdict verdict = check_settings(folder, order.check);
+  TRY_ASSIGN(SettingsVerdict verdict, order.sandbox ? check_sandboxed(folder, *order.sandbox)
+                                                    : Result<SettingsVerdict>(check_settings(folder, order.check)));
   report->museum = verdict.museum;
   report->farm = verdict.farm;
   report->projectors = verdict.projectors;

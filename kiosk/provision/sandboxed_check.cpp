@@ -6,7 +6,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -15,6 +14,7 @@
 #include "common/process/child.h"
 #include "kiosk/provision/folder_copy.h"
 #include "kiosk/provision/pin.h"
+#include "kiosk/provision/sentences.h"
 
 namespace cyclorama::provision {
 namespace {
@@ -23,41 +23,18 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxVerdictBytes = 1 << 20;
-constexpr std::size_t kMaxVerdictSentences = 1000;
-constexpr std::size_t kMaxVerdictText = 4000;
+constexpr std::size_t kMaxSecrets = 1000;
 constexpr int kMaxProjectors = 1000;
 constexpr std::string_view kOurGroups = "cyclorama-";
 /// Beyond the limits of the unit itself.
 constexpr ChildLimits kUnitLimits{std::chrono::minutes(25)};
 
-bool read_word(const Json& json, const char* key, std::string* ret) {
-  const auto found = json.find(key);
-  if (found == json.end() || !found->is_string()) return false;
-  *ret = found->get<std::string>();
-  return ret->size() <= kMaxVerdictText && printable(*ret, kMaxVerdictText) == *ret;
-}
-
-bool read_words(const Json& json, const char* key, std::vector<std::string>* ret) {
-  const auto found = json.find(key);
-  if (found == json.end() || !found->is_array() || found->size() > kMaxVerdictSentences) return false;
-  return std::all_of(found->begin(), found->end(), [&](const Json& one) {
-    return read_word(Json{{"word", one}}, "word", &ret->emplace_back());
-  });
-}
-
 bool read_secret(const Json& json, SecretFile* ret) {
   std::string name;
-  if (!json.is_object() || !read_word(json, "name", &name) || !read_word(json, "group", &ret->group)) return false;
+  if (!json.is_object() || !read_sentence(json, "name", &name) || !read_sentence(json, "group", &ret->group))
+    return false;
   ret->name = name;
   return is_path_of_plain_names(name) && is_plain_name(ret->group) && ret->group.starts_with(kOurGroups);
-}
-
-std::vector<std::string> clean(const std::vector<std::string>& sentences) {
-  std::vector<std::string> cleaned;
-  // Leaves room for an ellipsis of three bytes.
-  for (const std::string& sentence : sentences) cleaned.push_back(printable(sentence, kMaxVerdictText - 3));
-  cleaned.resize(std::min(cleaned.size(), kMaxVerdictSentences));
-  return cleaned;
 }
 
 Status give_to(const fs::path& folder, const std::string& group) {
@@ -86,13 +63,13 @@ std::string verdict_json(const SettingsVerdict& verdict) {
   for (const SecretFile& secret : verdict.secrets)
     secrets.push_back({{"name", secret.name.string()}, {"group", secret.group}});
   const Json json{{"museum", printable(verdict.museum, 200)},
-                  {"farm", clean(verdict.farm)},
+                  {"farm", bounded_sentences(verdict.farm)},
                   {"projectors", verdict.projectors},
                   {"certificate_until", verdict.certificate_until},
                   {"pin", verdict.pin ? Json(*verdict.pin) : Json(nullptr)},
                   {"secrets", secrets},
-                  {"problems", clean(verdict.problems)},
-                  {"remarks", clean(verdict.remarks)}};
+                  {"problems", bounded_sentences(verdict.problems)},
+                  {"remarks", bounded_sentences(verdict.remarks)}};
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -105,16 +82,16 @@ Result<SettingsVerdict> parse_verdict(std::string_view text) {
   const auto projectors = json.find("projectors");
   const auto pin = json.find("pin");
   const auto secrets = json.find("secrets");
-  if (!read_word(json, "museum", &verdict.museum) || !read_words(json, "farm", &verdict.farm) ||
-      !read_word(json, "certificate_until", &verdict.certificate_until) ||
-      !read_words(json, "problems", &verdict.problems) || !read_words(json, "remarks", &verdict.remarks) ||
+  if (!read_sentence(json, "museum", &verdict.museum) || !read_sentences(json, "farm", &verdict.farm) ||
+      !read_sentence(json, "certificate_until", &verdict.certificate_until) ||
+      !read_sentences(json, "problems", &verdict.problems) || !read_sentences(json, "remarks", &verdict.remarks) ||
       projectors == json.end() || !projectors->is_number_unsigned() ||
       projectors->get<std::uint64_t>() > kMaxProjectors || pin == json.end() || secrets == json.end() ||
-      !secrets->is_array() || secrets->size() > kMaxVerdictSentences) {
+      !secrets->is_array() || secrets->size() > kMaxSecrets) {
     return bad;
   }
   verdict.projectors = projectors->get<int>();
-  if (!pin->is_null() && (!read_word(json, "pin", &verdict.pin.emplace()) || !check_pin(*verdict.pin))) return bad;
+  if (!pin->is_null() && (!read_sentence(json, "pin", &verdict.pin.emplace()) || !check_pin(*verdict.pin))) return bad;
   for (const Json& secret : *secrets) {
     if (!read_secret(secret, &verdict.secrets.emplace_back())) return bad;
   }

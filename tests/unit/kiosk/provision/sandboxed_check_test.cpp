@@ -118,8 +118,6 @@ TEST(Verdict, survives_a_round_trip) {
   EXPECT_EQ(verdict_json(*again), verdict_json(a_verdict()));
   SettingsVerdict many;
   many.problems.assign(5000, std::string(5000, 'x') + "\n");
-  EXPECT_FALSE(parse_verdict(verdict_json(many))) << "1 MB are enough";
-  many.problems.assign(100, std::string(5000, 'x') + "\n");
   EXPECT_THAT(parse_verdict(verdict_json(many))->problems, SizeIs(100));
 }
 

@@ -71,6 +71,8 @@ class List {
     certificate();
     clock();
     disk();
+    secure_boot();
+    encryption();
     memory();
     temperature();
     update();
@@ -188,6 +190,13 @@ class List {
       return add("settings", "Settings", CheckLevel::kWarning, "No stick with settings was ever plugged in.",
                  "Plug in a stick with a folder 'cyclorama' that has site.toml and installation.toml.");
     }
+    if (report->verdict == provision::ProvisioningVerdict::kUnconfirmed) {
+      return add(
+          "settings", "Settings", CheckLevel::kWarning,
+          fmt::format("The stick of {} was not taken: {}.", report->at,
+                      report->problems.empty() ? "nobody has answered for it" : printable(report->problems[0], 500)),
+          "If the stick is the museum's, press 'Take this stick' on the operator page.");
+    }
     if (report->verdict != provision::ProvisioningVerdict::kRefused) {
       return add("settings", "Settings", CheckLevel::kOk, fmt::format("Those of {} are in use.", report->at), "");
     }
@@ -253,6 +262,38 @@ class List {
                     1e-9 * static_cast<double>(*machine.disk_bytes)),
         "The show goes on, but new settings, calibrations and updates may be refused. Download the support bundle and "
         "send it to us.");
+  }
+
+  void secure_boot() {
+    constexpr const char* kId = "secure-boot";
+    constexpr const char* kTitle = "Secure Boot";
+    switch (findings_.machine.secure_boot) {
+      case SecureBoot::kUnknown:
+        return;
+      case SecureBoot::kOn:
+        return add(kId, kTitle, CheckLevel::kOk, "It is on: this computer starts only what bears our signature.", "");
+      case SecureBoot::kSetupMode:
+        return add(kId, kTitle, CheckLevel::kFault, "It has no keys yet, so this computer starts anything.",
+                   "Start this computer again, and press no key: it counts 15 seconds down and takes its keys. If it "
+                   "says so again, its firmware does not keep them: update the firmware.");
+      case SecureBoot::kOff:
+        return add(kId, kTitle, CheckLevel::kFault, "It is off, so this computer starts anything.",
+                   "In the firmware's settings, delete the keys of Secure Boot (setup mode), switch it on, and start "
+                   "this computer again: it takes its keys by itself.");
+    }
+  }
+
+  void encryption() {
+    const MachineFacts& machine = findings_.machine;
+    if (machine.is_encrypted) {
+      return add("encryption", "Encryption", CheckLevel::kOk,
+                 "Settings and keys on the disk open only in this computer, and only for our software.", "");
+    }
+    if (machine.unencrypted.empty()) return;
+    add("encryption", "Encryption", CheckLevel::kFault,
+        fmt::format("Settings and keys lie on the disk as they are: {}.", machine.unencrypted),
+        "Switch on the TPM and Secure Boot in the firmware's settings, and start this computer again: it encrypts them "
+        "without losing any.");
   }
 
   void memory() {

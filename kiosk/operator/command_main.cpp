@@ -18,6 +18,7 @@
 #include "kiosk/operator/doctor_command.h"
 #include "kiosk/operator/hours_command.h"
 #include "kiosk/operator/realign_command.h"
+#include "kiosk/operator/sign_stick_command.h"
 #include "kiosk/operator/status_json.h"
 #include "kiosk/operator/status_table.h"
 #include "kiosk/operator/summary.h"
@@ -41,6 +42,7 @@ struct Options {
   CalibrateCommand calibrate;
   RealignCommand realign;
   DoctorCommand doctor;
+  SignStickCommand sign_stick;
   UpdateCommand update;
   HoursCommand hours;
   TourCommand tour;
@@ -84,6 +86,7 @@ void add_options(CLI::App& app, Options* options) {
   options->calibrate.add_to(&app);
   options->realign.add_to(&app);
   options->update.add_to(&app);
+  options->sign_stick.add_to(&app);
   options->hours.add_to(&app);
   options->tour.add_to(&app);
   add_watches(*options->doctor.add_to(&app), options);
@@ -181,6 +184,7 @@ Status run(Options& options, const CLI::App& app, const StopSignal& stop) {
   if (app.got_subcommand("calibrate")) return options.calibrate.run(stop);
   if (app.got_subcommand("realign")) return options.realign.run();
   if (app.got_subcommand("update")) return options.update.run(stop);
+  if (app.got_subcommand("sign-stick")) return options.sign_stick.run();
   if (app.got_subcommand("hours")) return options.hours.run(std::chrono::system_clock::now());
   if (app.got_subcommand("tour")) return options.tour.run(app);
   const bool is_doctor = app.got_subcommand("doctor");

@@ -68,14 +68,29 @@ void read_temperature(const fs::path& root, MachineFacts* ret) {
   }
 }
 
-/// Reads the state written by the image's script that mounts /var: "encrypted", "plain", "in memory: the disk cannot be
-/// read".
+/// Reads the state written by the image's script that mounts /var: "encrypted", "plain: Secure Boot is off", "in memory:
+/// the disk cannot be read".
 void read_var(const fs::path& root, MachineFacts* ret) {
-  constexpr std::string_view kInMemory = "in memory: ";
   const auto said = line_of(root / "run/cyclorama/var");
-  if (!said || !said->starts_with(kInMemory)) return;
-  const std::string_view why = std::string_view(*said).substr(kInMemory.size());
-  ret->only_in_memory = printable(why.substr(0, why.find('\n')), 200);
+  if (!said) return;
+  const std::string line = printable(said->substr(0, said->find('\n')), 200);
+  const auto reason_after = [&](std::string_view state) {
+    return line.starts_with(state) ? line.substr(state.size()) : std::string();
+  };
+  ret->is_encrypted = line == "encrypted";
+  ret->unencrypted = reason_after("plain: ");
+  ret->only_in_memory = reason_after("in memory: ");
+}
+
+/// Reads what the same script found in the firmware's variables.
+void read_secure_boot(const fs::path& root, MachineFacts* ret) {
+  const auto said = line_of(root / "run/cyclorama/secure-boot");
+  if (!said) return;
+  const std::string_view word = std::string_view(*said).substr(0, said->find('\n'));
+  ret->secure_boot = word == "on"      ? SecureBoot::kOn
+                     : word == "setup" ? SecureBoot::kSetupMode
+                     : word == "off"   ? SecureBoot::kOff
+                                       : SecureBoot::kUnknown;
 }
 
 /// Reads the count of the whole processor package, which the first core reports.
@@ -153,6 +168,7 @@ MachineFacts read_machine_facts(const fs::path& state, const fs::path& root) {
     facts.is_read_only = is_file_system_read_only(state, root) || is_shut(state);
   }
   read_var(root, &facts);
+  read_secure_boot(root, &facts);
   read_temperature(root, &facts);
   read_throttling(root, &facts);
   read_clock(root, &facts);

@@ -9,6 +9,9 @@
 
 namespace cyclorama::operations {
 
+/// Firmware's check of what it starts. In setup mode it has no keys yet and checks nothing.
+enum class SecureBoot { kUnknown, kOn, kSetupMode, kOff };
+
 /// A value; unknown facts are absent.
 struct MachineFacts {
   std::optional<std::uint64_t> disk_free_bytes{};  ///< Free space on the disk that holds the museum's state.
@@ -20,6 +23,9 @@ struct MachineFacts {
   std::optional<double> memory_free_share{};
   std::string only_in_memory{};      ///< Reason why the image keeps its state in memory only; empty: it does not.
   std::uint64_t slowed_by_heat = 0;  ///< Number of times since the start that heat slowed the processor.
+  SecureBoot secure_boot = SecureBoot::kUnknown;  ///< The state that the image found at its start.
+  bool is_encrypted = false;                      ///< True if the image encrypts its state.
+  std::string unencrypted{};                      ///< Reason why the image does not encrypt it; empty: no reason known.
 };
 
 /// `state` lies on the disk to examine; `root` is "/" except in tests. Reads a few small files.

@@ -18,6 +18,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::size_t kMaxRecoveryKeyBytes = 1000;
+
 /// Allows one expensive operation at a time.
 class Turn {
  public:
@@ -44,6 +46,11 @@ Json schedule_json(const MuseumState& museum, std::chrono::system_clock::time_po
   return json;
 }
 
+bool has_recovery_key(const MuseumServices& services) {
+  std::error_code ignored;
+  return !services.recovery_key.empty() && std::filesystem::exists(services.recovery_key, ignored);
+}
+
 std::string museum_json(const MuseumServices& services) {
   const MuseumState& museum = services.support.museum;
   const Findings findings = findings_of(services.watch->observations(), museum);
@@ -60,6 +67,7 @@ std::string museum_json(const MuseumServices& services) {
               {"fingerprint", services.fingerprint},
               {"time", provision::time_text(std::chrono::system_clock::to_time_t(findings.now))},
               {"requests", !services.requests.empty()},
+              {"recovery", has_recovery_key(services)},
               {"has_pin", !services.fingerprint.empty()}}}};
   if (findings.is_museum) json["schedule"] = schedule_json(museum, findings.now);
   if (findings.provisioning) json["provisioning"] = Json::parse(provision::report_json(*findings.provisioning));
@@ -167,16 +175,40 @@ void serve_requests(httplib::Server& server, MuseumServices* services) {
     const std::string wanted = json.is_object() && json.contains("request") && json["request"].is_string()
                                    ? json["request"].get<std::string>()
                                    : "";
-    if (wanted != "update" && wanted != "factory-reset") {
-      return answer_error(Error(ErrorCode::kBadData, "'request' must be update or factory-reset"), response);
+    if (wanted != "update" && wanted != "factory-reset" && wanted != "confirm-stick") {
+      return answer_error(Error(ErrorCode::kBadData, "'request' must be update, factory-reset or confirm-stick"),
+                          response);
+    }
+    // The digest that the page showed: another stick may have been plugged in since then.
+    const std::string digest =
+        json.contains("digest") && json["digest"].is_string() ? json["digest"].get<std::string>() : "";
+    if ((wanted == "confirm-stick") != provision::is_digest(digest)) {
+      return answer_error(Error(ErrorCode::kBadData, "'digest' must be the stick's, with confirm-stick alone"),
+                          response);
     }
     if (services->requests.empty()) {
       return answer_error(Error(ErrorCode::kNotFound, "this computer's software is not managed by the museum image"),
                           response);
     }
-    const Status made = write_file_atomically(services->requests / wanted, std::string_view("\n"));
+    const Status made = write_file_atomically(services->requests / wanted, digest + "\n");
     if (!made) return answer_error(made.error(), response);
     response.status = 204;
+  });
+}
+
+/// Shows the recovery key once: from then on it is only where somebody wrote it down.
+void serve_recovery_key(httplib::Server& server, MuseumServices* services) {
+  server.Post("/recovery-key", [services](const httplib::Request&, httplib::Response& response) {
+    const auto key = has_recovery_key(*services)
+                         ? read_text_file(services->recovery_key, kMaxRecoveryKeyBytes)
+                         : Result<std::string>(Error(ErrorCode::kNotFound, "the recovery key was shown already"));
+    if (!key) return answer_error(key.error(), response);
+    std::error_code failed;
+    if (!std::filesystem::remove(services->recovery_key, failed)) {
+      return answer_error(Error(ErrorCode::kSystem, "the recovery key cannot be removed, so it is not shown"),
+                          response);
+    }
+    response.set_content(dumped({{"key", key->substr(0, key->find('\n'))}}), kJsonType);
   });
 }
 
@@ -203,6 +235,7 @@ void serve_museum(httplib::Server& server, MuseumServices* services) {
   serve_support(server, services);
   serve_hours(server, services);
   serve_requests(server, services);
+  serve_recovery_key(server, services);
 }
 
 }  // namespace cyclorama::operations

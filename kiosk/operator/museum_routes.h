@@ -36,6 +36,8 @@ struct MuseumServices {
   SupportOrder support;  ///< Includes the museum's state folder.
   /// Folder in which a file with the request's name triggers a systemd unit; empty: no requests.
   std::filesystem::path requests;
+  /// File with the key that opens the museum's encrypted settings if the TPM does not, until it was shown; empty: none.
+  std::filesystem::path recovery_key;
   std::string fingerprint;  ///< Fingerprint of the page's certificate; empty: none.
   std::atomic<bool> is_testing{false};
   std::atomic<bool> is_bundling{false};

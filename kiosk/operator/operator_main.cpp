@@ -37,7 +37,8 @@ void add_options(CLI::App& app, Options* options) {
   app.add_option("--endpoints", options->endpoints, "A file of [[watch]] tables, each with name and address");
   app.add_option("--museum", options->museum,
                  "The museum's state folder, written by cyclorama-provision: settings, PIN, state of updates");
-  app.add_option("--keep", options->keep, "Folder of the page's certificate, which is made at the first start");
+  app.add_option("--keep", options->keep,
+                 "Folder of the page's certificate, which is made at the first start, and of the recovery key");
   CLI::Option* const no_pin =
       app.add_flag("--no-pin", options->has_no_pin, "Serve HTTP without PIN and encryption, to this computer only");
   no_pin->excludes("--keep");
@@ -86,6 +87,7 @@ Status run(const Options& options, const StopSignal& stop) {
   museum.healing = healing.get();
   museum.support.museum.root = options.museum.value_or("");
   museum.requests = options.requests.value_or("");
+  if (options.keep) museum.recovery_key = std::filesystem::path(*options.keep) / "recovery-key";
   if (access.certificate) museum.fingerprint = access.certificate->fingerprint;
   PageExtras extras;
   if (options.museum) extras.museum = &museum;

@@ -17,6 +17,7 @@
 #include "common/base/text.h"
 #include "common/base/unique_fd.h"
 #include "common/wire/openssl.h"
+#include "kiosk/provision/provisioning_report.h"
 
 namespace cyclorama::provision {
 namespace {
@@ -195,17 +196,6 @@ Result<UniqueFd> open_folder(const std::filesystem::path& path) {
   return fd;
 }
 
-bool is_path_of_plain_names(std::string_view path) {
-  const std::size_t slash = path.find('/');
-  if (slash == std::string_view::npos) return is_plain_name(path);
-  return is_plain_name(path.substr(0, slash)) && is_plain_name(path.substr(slash + 1));
-}
-
-bool is_sha256(std::string_view text) {
-  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
-  return text.size() == kHexDigits && std::all_of(text.begin(), text.end(), is_digit);
-}
-
 }  // namespace
 
 bool is_plain_name(std::string_view name) {
@@ -215,6 +205,12 @@ bool is_plain_name(std::string_view name) {
   };
   return !name.empty() && name.size() <= kMaxNameLength && name.front() != '.' && name.front() != '-' &&
          std::all_of(name.begin(), name.end(), is_plain);
+}
+
+bool is_path_of_plain_names(std::string_view path) {
+  const std::size_t slash = path.find('/');
+  if (slash == std::string_view::npos) return is_plain_name(path);
+  return is_plain_name(path.substr(0, slash)) && is_plain_name(path.substr(slash + 1));
 }
 
 FolderLimits within(std::uintmax_t available_bytes, FolderLimits limits) {
@@ -257,7 +253,7 @@ Result<std::vector<CopiedFile>> parse_checksums(std::string_view text) {
     }
     std::string_view name = line.substr(kHexDigits + 2);
     if (name.starts_with("./")) name.remove_prefix(2);
-    if (!is_sha256(line.substr(0, kHexDigits))) return bad("not 64 hexadecimal digits");
+    if (!is_digest(line.substr(0, kHexDigits))) return bad("not 64 hexadecimal digits");
     if (!is_path_of_plain_names(name)) return bad("the name is not plain");
     if (!names.emplace(name).second) return bad(fmt::format("'{}' comes twice", name));
     if (files.size() >= FolderLimits{}.max_files) return bad("too many files");

@@ -39,6 +39,9 @@ struct CopiedFolder {
 /// safe in a path and as an argument of a command.
 [[nodiscard]] bool is_plain_name(std::string_view name);
 
+/// True for a plain name, or one in a folder with a plain name: "tls/key.pem".
+[[nodiscard]] bool is_path_of_plain_names(std::string_view path);
+
 /// Copies `from`, with one level of subfolders, into the empty folder `to`. On return every copy is on the disk,
 /// readable by this user only. Never follows a link.
 ///

@@ -7,7 +7,9 @@
 #include <algorithm>
 
 #include "common/base/file.h"
+#include "kiosk/provision/owner_key.h"
 #include "kiosk/provision/pin.h"
+#include "kiosk/provision/stick_trust.h"
 
 namespace cyclorama::provision {
 namespace {
@@ -91,8 +93,18 @@ Status look_at(const ProvisionOrder& order, const fs::path& folder, SettingsStor
     report->problems.push_back(
         fmt::format("'{}' is this computer's own; write the PIN into {}", kPinFile, kOperatorFile));
   }
+  TRY_ASSIGN(StickTrust trust, trust_of({folder, copied->files, order.confirmed}, *store));
+  if (order.is_stick && !trust.is_trusted) {
+    // Nothing of the stick is parsed before somebody has answered for it.
+    report->verdict = ProvisioningVerdict::kUnconfirmed;
+    report->digest = trust.digest;
+    report->problems.push_back(std::move(trust.reason));
+    return Done{};
+  }
   compare_checksums(folder, copied->files, &report->problems);
-  SettingsVerdict verdict = check_settings(folder, order.check);
+  if (order.is_stick && !trust.remark.empty()) report->remarks.push_back(trust.remark);
+  TRY_ASSIGN(SettingsVerdict verdict, order.sandbox ? check_sandboxed(folder, *order.sandbox)
+                                                    : Result<SettingsVerdict>(check_settings(folder, order.check)));
   report->museum = verdict.museum;
   report->farm = verdict.farm;
   report->projectors = verdict.projectors;
@@ -101,7 +113,7 @@ Status look_at(const ProvisionOrder& order, const fs::path& folder, SettingsStor
   report->problems.insert(report->problems.end(), verdict.problems.begin(), verdict.problems.end());
   report->remarks.insert(report->remarks.end(), verdict.remarks.begin(), verdict.remarks.end());
   if (!report->problems.empty()) return Done{};
-  forget(folder, kChecksumsFile, &copied->files);
+  for (const char* const name : {kChecksumsFile, kSignatureFile, kOwnerKeyFile}) forget(folder, name, &copied->files);
   TRY(keep_pin(folder, *store, verdict.pin, &copied->files));
   verdict.secrets.push_back({kPinFile, kPinGroup});
   if (are_the_same(copied->files, store->contents())) {
@@ -110,7 +122,7 @@ Status look_at(const ProvisionOrder& order, const fs::path& folder, SettingsStor
     if (!order.only_check) TRY(store->commit(std::move(copied->files), verdict.secrets));
     report->verdict = ProvisioningVerdict::kInstalled;
   }
-  return Done{};
+  return order.is_stick && !order.only_check ? keep_owner(trust, *store) : Done{};
 }
 
 }  // namespace

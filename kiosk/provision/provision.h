@@ -3,10 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "common/base/result.h"
 #include "kiosk/provision/provisioning_report.h"
+#include "kiosk/provision/sandboxed_check.h"
 #include "kiosk/provision/settings_check.h"
 #include "kiosk/provision/settings_store.h"
 
@@ -18,6 +20,11 @@ struct ProvisionOrder {
   FolderLimits limits{};
   bool only_check = false;  ///< Report the outcome without changing anything.
   std::string at;           ///< Time for the report, as time_text() formats it.
+  /// True for what anybody can plug in: it must be the first, bear the owner's signature, or be confirmed.
+  bool is_stick = false;
+  /// Checks the settings in another process instead of this one.
+  std::optional<SandboxedCheck> sandbox{};
+  std::string confirmed{};  ///< Digest of a stick that the operator confirmed on the page; empty: none.
 };
 
 /// Copies the folder, checks the copy, and puts it into use only if it has no problem. Bad settings are not an error;

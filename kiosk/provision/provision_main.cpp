@@ -19,6 +19,7 @@ namespace {
 
 constexpr const char* kMuseum = "museum";
 constexpr const char* kFarmHost = "farm-host";
+constexpr const char* kCheckGroup = "cyclorama-check";
 /// A render host's settings include scenes; the limit of one file is that of FAT.
 constexpr FolderLimits kFarmHostLimits{200, (std::size_t{4} << 30) - 1, std::size_t{16} << 30};
 
@@ -34,6 +35,10 @@ struct Options {
   std::string programs = "/usr/bin";
   std::optional<std::string> changed;
   bool if_there = false;
+  bool is_stick = false;
+  std::optional<std::string> confirmed;
+  std::optional<std::string> checker;
+  std::string verdict = "/run/cyclorama-check/verdict.json";
   std::string of = kMuseum;
 
   [[nodiscard]] SettingsOf owner() const { return of == kMuseum ? SettingsOf::kMuseum : SettingsOf::kFarmHost; }
@@ -50,8 +55,9 @@ void add_options(CLI::App& app, Options* options) {
   CLI::App& install = *app.add_subcommand("install", "Check a folder, and take its settings into use if they are good");
   CLI::App& check = *app.add_subcommand("check", "Check a folder, and report its problems; changes nothing in use");
   CLI::App& restore = *app.add_subcommand("restore", "Take the previous settings into use; a second time undoes this");
+  CLI::App& verdict = *app.add_subcommand("verdict", "Check a copied folder for 'install --checker'");
   app.add_subcommand("status", "Print the result of the last folder as JSON");
-  for (CLI::App* const command : {&install, &check}) {
+  for (CLI::App* const command : {&install, &check, &verdict}) {
     command
         ->add_option("FOLDER", options->from,
                      "With site.toml and installation.toml, or farm.toml and node.toml, and all that they name")
@@ -62,6 +68,16 @@ void add_options(CLI::App& app, Options* options) {
         ->capture_default_str();
   }
   install.add_flag("--if-there", options->if_there, "A folder that is not there is no error");
+  CLI::Option* const stick = install.add_flag(
+      "--stick", options->is_stick,
+      "Anybody can plug the folder in: after the first one, it needs the owner's signature or a confirmation");
+  install.add_option("--checker", options->checker,
+                     "systemd unit that runs 'verdict' on the copy as another user, instead of checking it here");
+  for (CLI::App* const command : {&install, &verdict}) {
+    command->add_option("--verdict", options->verdict, "File for the verdict of a checker")->capture_default_str();
+  }
+  install.add_option("--confirmed", options->confirmed, "File with the digest of a stick that the operator confirmed")
+      ->needs(stick);
   for (CLI::App* const command : {&install, &restore}) {
     command->add_option("--changed", options->changed, "Write this file when the settings in use have changed");
   }
@@ -80,6 +96,13 @@ Status publish(const Options& options, const ProvisioningReport& report) {
   return write_file_atomically(std::filesystem::path(options.state) / kProvisioningReportFile, report_json(report));
 }
 
+/// Returns the digest in a file; empty, which confirms nothing, if there is none.
+std::string digest_in(const std::string& path) {
+  constexpr std::size_t kMaxDigestBytes = 100;
+  const auto text = read_text_file(path, kMaxDigestBytes);
+  return text ? text->substr(0, text->find('\n')) : "";
+}
+
 Status run(const Options& options, const CLI::App& app) {
   if (app.got_subcommand("status")) {
     constexpr std::size_t kMaxReportBytes = 256 * 1024;
@@ -88,6 +111,10 @@ Status run(const Options& options, const CLI::App& app) {
     TRY(parse_report(json));
     std::fputs(json.c_str(), stdout);
     return Done{};
+  }
+  if (app.got_subcommand("verdict")) {
+    const SettingsVerdict verdict = check_settings(options.from, {options.programs, options.owner()});
+    return write_file_atomically(options.verdict, std::string_view(verdict_json(verdict)));
   }
   std::error_code unknown;
   if (options.if_there && !std::filesystem::exists(options.from, unknown) && !unknown) return Done{};
@@ -106,6 +133,10 @@ Status run(const Options& options, const CLI::App& app) {
   if (order.check.of == SettingsOf::kFarmHost) order.limits = farm_host_limits(options.state);
   order.only_check = app.got_subcommand("check");
   order.at = at;
+  order.is_stick = options.is_stick;
+  if (options.checker)
+    order.sandbox = SandboxedCheck{{"systemctl", "start", *options.checker}, options.verdict, kCheckGroup};
+  if (options.confirmed) order.confirmed = digest_in(*options.confirmed);
   auto report = provision(order, &store);
   if (!report) {
     // The page shows the failure, too, since nobody reads the journal.
@@ -127,6 +158,9 @@ Status run(const Options& options, const CLI::App& app) {
     case ProvisioningVerdict::kUnchanged:
       log(LogLevel::kNotice, fmt::format("these settings are in use already, as {}", report->in_use));
       return Done{};
+    case ProvisioningVerdict::kUnconfirmed:
+      return Error(ErrorCode::kUnavailable,
+                   fmt::format("the stick with '{}' is not the owner's, and waits for a confirmation", options.from));
     default:
       return Error(ErrorCode::kBadData,
                    fmt::format("the settings in '{}' are refused for {} reason{}; {}", options.from,

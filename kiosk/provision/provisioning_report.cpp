@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/text.h"
+#include "kiosk/provision/sentences.h"
 
 namespace cyclorama::provision {
 namespace {
@@ -16,40 +17,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxReportBytes = 256 * 1024;
-constexpr std::size_t kMaxSentences = 100;
-constexpr std::size_t kMaxSentenceLength = 2000;
-constexpr std::array<std::pair<ProvisioningVerdict, std::string_view>, 4> kVerdicts{
+constexpr std::array<std::pair<ProvisioningVerdict, std::string_view>, 5> kVerdicts{
     {{ProvisioningVerdict::kInstalled, "installed"},
      {ProvisioningVerdict::kUnchanged, "unchanged"},
      {ProvisioningVerdict::kRefused, "refused"},
-     {ProvisioningVerdict::kRestored, "restored"}}};
-
-/// Returns false if the value of `key` is not a text, or is too long.
-bool read_text(const Json& json, const char* key, std::string* ret) {
-  const auto found = json.find(key);
-  if (found == json.end() || !found->is_string()) return false;
-  *ret = found->get<std::string>();
-  return ret->size() <= kMaxSentenceLength && printable(*ret, kMaxSentenceLength) == *ret;
-}
-
-bool read_texts(const Json& json, const char* key, std::vector<std::string>* ret) {
-  const auto found = json.find(key);
-  if (found == json.end() || !found->is_array() || found->size() > kMaxSentences) return false;
-  return std::all_of(found->begin(), found->end(), [&](const Json& one) {
-    if (!one.is_string()) return false;
-    ret->push_back(one.get<std::string>());
-    return ret->back().size() <= kMaxSentenceLength && printable(ret->back(), kMaxSentenceLength) == ret->back();
-  });
-}
-
-std::vector<std::string> bounded(const std::vector<std::string>& sentences) {
-  std::vector<std::string> some;
-  for (const std::string& sentence : sentences) {
-    // Leaves room for an ellipsis of three bytes.
-    if (some.size() < kMaxSentences) some.push_back(printable(sentence, kMaxSentenceLength - 3));
-  }
-  return some;
-}
+     {ProvisioningVerdict::kRestored, "restored"},
+     {ProvisioningVerdict::kUnconfirmed, "unconfirmed"}}};
 
 }  // namespace
 
@@ -66,12 +39,13 @@ std::string report_json(const ProvisioningReport& report) {
                   {"verdict", to_text(report.verdict)},
                   {"in_use", report.in_use},
                   {"museum", printable(report.museum, 200)},
-                  {"farm", bounded(report.farm)},
+                  {"farm", bounded_sentences(report.farm)},
                   {"projectors", report.projectors},
                   {"certificate_until", report.certificate_until},
                   {"has_pin", report.has_pin},
-                  {"problems", bounded(report.problems)},
-                  {"remarks", bounded(report.remarks)}};
+                  {"digest", report.digest},
+                  {"problems", bounded_sentences(report.problems)},
+                  {"remarks", bounded_sentences(report.remarks)}};
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -84,14 +58,19 @@ Result<ProvisioningReport> parse_report(std::string_view text) {
   std::string verdict;
   const auto projectors = json.find("projectors");
   const auto pin = json.find("has_pin");
-  if (!read_text(json, "at", &report.at) || !read_text(json, "source", &report.source) ||
-      !read_text(json, "verdict", &verdict) || !read_text(json, "in_use", &report.in_use) ||
-      !read_text(json, "museum", &report.museum) || !read_text(json, "certificate_until", &report.certificate_until) ||
-      !read_texts(json, "farm", &report.farm) || !read_texts(json, "problems", &report.problems) ||
-      !read_texts(json, "remarks", &report.remarks) || projectors == json.end() || !projectors->is_number_unsigned() ||
-      projectors->get<std::uint64_t>() > 1000 || pin == json.end() || !pin->is_boolean()) {
+  if (!read_sentence(json, "at", &report.at) || !read_sentence(json, "source", &report.source) ||
+      !read_sentence(json, "verdict", &verdict) || !read_sentence(json, "in_use", &report.in_use) ||
+      !read_sentence(json, "museum", &report.museum) ||
+      !read_sentence(json, "certificate_until", &report.certificate_until) ||
+      !read_sentences(json, "farm", &report.farm) || !read_sentences(json, "problems", &report.problems) ||
+      !read_sentences(json, "remarks", &report.remarks) || projectors == json.end() ||
+      !projectors->is_number_unsigned() || projectors->get<std::uint64_t>() > 1000 || pin == json.end() ||
+      !pin->is_boolean()) {
     return bad;
   }
+  // Reports of earlier programs have none.
+  if (json.contains("digest") && !read_sentence(json, "digest", &report.digest)) return bad;
+  if (!report.digest.empty() && !is_digest(report.digest)) return bad;
   report.projectors = projectors->get<int>();
   report.has_pin = pin->get<bool>();
   const auto known =
@@ -99,6 +78,11 @@ Result<ProvisioningReport> parse_report(std::string_view text) {
   if (known == kVerdicts.end()) return bad;
   report.verdict = known->first;
   return report;
+}
+
+bool is_digest(std::string_view text) {
+  constexpr std::size_t kDigits = 64;
+  return text.size() == kDigits && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
 std::string time_text(std::time_t time) {

@@ -14,14 +14,15 @@ namespace cyclorama::provision {
 inline constexpr const char* kProvisioningReportFile = "provisioning.json";
 
 enum class ProvisioningVerdict {
-  kInstalled,  ///< The new settings are in use.
-  kUnchanged,  ///< The same settings are already in use.
-  kRefused,    ///< `problems` has the reasons; the previous settings stay in use.
-  kRestored,   ///< The previous settings are in use again.
+  kInstalled,    ///< The new settings are in use.
+  kUnchanged,    ///< The same settings are already in use.
+  kRefused,      ///< `problems` has the reasons; the previous settings stay in use.
+  kRestored,     ///< The previous settings are in use again.
+  kUnconfirmed,  ///< The stick is not the owner's; `digest` names it for who may confirm it.
 };
 
 /// A value; in JSON {"at", "source", "verdict", "in_use", "museum", "farm": [], "projectors", "certificate_until",
-/// "has_pin", "problems": [], "remarks": []}
+/// "has_pin", "digest", "problems": [], "remarks": []}
 struct ProvisioningReport {
   std::string at;      ///< UTC by this computer's clock: "2026-11-22T16:04:05Z".
   std::string source;  ///< The folder.
@@ -33,6 +34,7 @@ struct ProvisioningReport {
   int projectors = 0;
   std::string certificate_until;  ///< "2029-02-24"; empty: none.
   bool has_pin = false;
+  std::string digest;  ///< Hexadecimal SHA-256 of names and contents of a stick that waits for confirmation.
   std::vector<std::string> problems;  ///< Sentences with file, line and remedy.
   std::vector<std::string> remarks;
 
@@ -43,6 +45,9 @@ struct ProvisioningReport {
 [[nodiscard]] std::string report_json(const ProvisioningReport& report);
 /// Errors: kBadData if the text is not the JSON of a report.
 Result<ProvisioningReport> parse_report(std::string_view json);
+
+/// True for a SHA-256 in hexadecimal.
+[[nodiscard]] bool is_digest(std::string_view text);
 
 /// Returns the time in UTC: "2026-11-22T16:04:05Z".
 [[nodiscard]] std::string time_text(std::time_t time);

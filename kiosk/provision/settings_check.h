@@ -13,7 +13,6 @@ namespace cyclorama::provision {
 
 inline constexpr const char* kPinFile = "operator-pin";
 inline constexpr const char* kOperatorFile = "operator.toml";
-inline constexpr const char* kChecksumsFile = "SHA256SUMS";
 
 /// A file that only one service may read.
 struct SecretFile {

@@ -48,6 +48,8 @@ class SettingsStore {
   /// Returns the number of the generation in use, such as "000007"; empty: none.
   [[nodiscard]] std::string in_use() const;
   [[nodiscard]] std::filesystem::path settings() const { return root_ / "settings"; }
+  /// The owner's public key; empty once a stick without a key was taken; not there before the first stick.
+  [[nodiscard]] std::filesystem::path owner() const { return root_ / "owner.pub"; }
   /// Returns the files in use; empty when they are unknown.
   [[nodiscard]] std::vector<CopiedFile> contents() const;
 

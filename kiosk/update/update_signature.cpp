@@ -29,13 +29,16 @@ const unsigned char* bytes_of(std::string_view text) { return reinterpret_cast<c
 Status check_signature(std::string_view text, std::string_view signature, const std::filesystem::path& key) {
   TRY_ASSIGN(const std::string pem, read_text_file(key, kMaxKeyBytes));
   const OpensslBio bio = bio_of(pem);
-  const OpensslKey known(PEM_read_bio_PUBKEY(bio.get(), nullptr, nullptr, nullptr));
-  if (!known) return Error(ErrorCode::kBadData, fmt::format("'{}' is no public key", key.string()));
-  const Context context(EVP_MD_CTX_new());
-  const bool is_ours =
-      context && EVP_DigestVerifyInit(context.get(), nullptr, EVP_sha256(), nullptr, known.get()) == 1 &&
-      EVP_DigestVerify(context.get(), bytes_of(signature), signature.size(), bytes_of(text), text.size()) == 1;
-  if (is_ours) return Done{};
+  bool has_key = false;
+  while (const OpensslKey known{PEM_read_bio_PUBKEY(bio.get(), nullptr, nullptr, nullptr)}) {
+    has_key = true;
+    const Context context(EVP_MD_CTX_new());
+    const bool is_ours =
+        context && EVP_DigestVerifyInit(context.get(), nullptr, EVP_sha256(), nullptr, known.get()) == 1 &&
+        EVP_DigestVerify(context.get(), bytes_of(signature), signature.size(), bytes_of(text), text.size()) == 1;
+    if (is_ours) return Done{};
+  }
+  if (!has_key) return Error(ErrorCode::kBadData, fmt::format("'{}' is no public key", key.string()));
   return Error(ErrorCode::kBadData,
                "what the farm offers does not bear our signature; its operator copies image/build's folder once more");
 }

@@ -124,11 +124,11 @@ def check_good(machine, image, old, folder, options, figures, ret_states):
     for head in range(1, HEADS):
         machine.plug_in(head)
         time.sleep(5)
-    # The health check removes the count of attempts from the kernel image's name.
-    stays = "at=$(bootctl -p)/EFI/Linux; for i in $(seq 60); do ls $at | grep -q '%s\\.efi' && break; sleep 10; done; ls $at; cat /run/cyclorama/health" % now.replace(".", "\\.")
+    # The health check gives it all its attempts back.
+    stays = "at=$(bootctl -p)/EFI/Linux; for i in $(seq 60); do ls $at | grep -q '%s+3\\.efi' && break; sleep 10; done; ls $at; cat /run/cyclorama/health" % now.replace(".", "\\.")
     _, kernels = machine.run(stays, GOOD_S)
     print(kernels, flush=True)
-    if now != old and re.search(rf"_{re.escape(now)}\.efi", kernels):
+    if now != old and re.search(rf"_{re.escape(now)}\+3\.efi", kernels):
         figures["updates"] += 1
     else:
         figures["failed"].append(f"the good update: {now} runs; {kernels}")

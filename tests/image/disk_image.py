@@ -52,6 +52,9 @@ class BootPartition:
     def write(self, file, name):
         self._run("mcopy", "-o", file, f"::{name}")
 
+    def rename(self, name, to):
+        self._run("mren", f"::{name}", f"::{to}")
+
     def make_folder(self, name):
         self._run("mmd", f"::{name}")
 

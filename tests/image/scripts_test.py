@@ -23,6 +23,7 @@ class Computer:
 
     def __init__(self, source, build, folder, profile="museum"):
         folder.mkdir(exist_ok=True)
+        self.source = source
         over = folder / "over"
         for tree in (source / "image/mkosi.extra", source / "kiosk/lockdown", source / f"image/mkosi.profiles/{profile}/mkosi.extra"):
             shutil.copytree(tree, over, symlinks=True, dirs_exist_ok=True)
@@ -173,6 +174,10 @@ def check_update(computer, folder):
     sign(update, folder / "ours")
     (update / "cyclorama-museum_2.efi").write_bytes(b"kernal")
     bad += refused("an update that is damaged", "damaged")
+    # While keys are changed, computers trust the old and the new one.
+    both = subprocess.run(["openssl", "pkey", "-in", str(folder / "theirs"), "-pubout"], check=True, capture_output=True).stdout
+    (folder / "update.pub").write_bytes(both + (folder / "update.pub").read_bytes())
+    bad += expect("an update signed with the second of two keys is checked further", computer.run("update", update) == 1 and "damaged" in computer.report("update"), computer.report("update"))
     # The boot loader counts attempts in the name.
     kernels = folder / "esp/EFI/Linux"
     kernels.mkdir(parents=True)
@@ -219,26 +224,35 @@ def check_written(computer, folder):
 
 
 def check_requests(computer, folder):
-    """The operator page may request two actions of root, by a file's name."""
+    """The operator page may request three actions of root, by a file's name."""
     bad = 0
     requests = folder / "requests"
     requests.mkdir()
     called = folder / "called"
     (folder / "stubs/systemctl").write_text(f'#!/bin/sh\necho "$@" >>{called}\n')
-    stick = folder / "sdz1"
-    where = {"CYCLORAMA_REQUESTS": str(requests), "CYCLORAMA_STICK": str(stick)}
+    blocks, confirmed = folder / "blocks", folder / "confirmed"
+    where = {"CYCLORAMA_REQUESTS": str(requests), "CYCLORAMA_BLOCKS": str(blocks), "CYCLORAMA_CONFIRMED": str(confirmed)}
+    blocks.mkdir()
+    for name, bus, kind, label in (("sda1", "ata", "vfat", "ESP"), ("sdy1", "usb", "vfat", "HOLIDAY"), ("sdz1", "usb", "vfat", "CYCLORAMA"), ("sdx1", "usb", "ext4", "CYCLORAMA")):
+        (blocks / name).write_text(f"ID_BUS={bus}\nID_FS_TYPE={kind}\nID_FS_LABEL={label}\n")
+    computer.stub("udevadm", 'for word; do case $word in --path=*) cat "${word#--path=}" ;; esac; done')
 
-    def request(name):
+    def request(name, content="\n"):
         called.write_text("")
-        (requests / name).write_text("\n")
+        (requests / name).write_text(content)
         return computer.run("request", name, **where)
-    stick.write_text("")
     bad += expect("a requested update checks the stick", request("update") == 0 and "cyclorama-update@sdz1.service" in called.read_text(), called.read_text())
     bad += expect("a requested reset restarts the computer", request("factory-reset") == 0 and called.read_text() == "reboot\n", called.read_text())
     bad += expect("and leaves a file for cyclorama-var", (computer.state / "factory-reset").exists())
     bad += expect("another request is refused", request("poweroff") == 1 and called.read_text() == "", called.read_text())
     bad += expect("a request is carried out once", list(requests.iterdir()) == [])
-    stick.unlink()
+    digest = "0123456789abcdef" * 4
+    bad += expect("a confirmed stick is read again", request("confirm-stick", digest + "\n") == 0 and called.read_text().split() == ["start", "--no-block", "cyclorama-provision@sdy1.service", "start", "--no-block", "cyclorama-provision@sdz1.service"], called.read_text())
+    bad += expect("with its digest", (confirmed / "confirmed").read_text() == digest + "\n")
+    for wrong in ("", "../../etc\n", digest[1:] + "\n", digest[:-1] + "G\n"):
+        bad += expect(f"'{wrong.strip()[:10]}' confirms nothing", request("confirm-stick", wrong) == 1 and called.read_text() == "" and (confirmed / "confirmed").read_text() == digest + "\n")
+    bad += expect("sticks are taken by these rules", "--stick --confirmed /run/cyclorama-provision/confirmed" in (computer.source / "systemd/units/cyclorama-provision@.service").read_text())
+    (blocks / "sdz1").unlink()
     bad += expect("without a stick the farm is checked", request("update") == 0 and "cyclorama-update-from-farm@now.service" in called.read_text(), called.read_text())
     return bad
 
@@ -349,16 +363,33 @@ def check_fetch_program(build, folder):
 
 
 def check_health(computer, folder):
-    """A version on trial that is not well is rolled back; one that was good before stays."""
+    """A version on trial that is not well is rolled back; one that was good before stays, and has three attempts again."""
     bad = 0
-    counted = folder / "counted"
-    where = {"CYCLORAMA_COUNTED": str(counted), "CYCLORAMA_SETTINGS": str(computer.defaults)}
-    for well in (True, False):
+    kernels = folder / "boot/EFI/Linux"
+    where = {"CYCLORAMA_ESP": str(folder / "boot"), "CYCLORAMA_SETTINGS": str(computer.defaults)}
+    good, well_versions = folder / "boot/loader/good-versions", computer.state / "well-versions"
+
+    def start(version, name, well):
+        """Starts a version whose kernel image has this name, as the boot loader left it."""
+        shutil.rmtree(kernels, ignore_errors=True)
+        kernels.mkdir(parents=True)
+        (kernels / name).write_text("")
+        (folder / "os-release").write_text(f"IMAGE_ID=cyclorama-museum\nIMAGE_VERSION={version}\n")
         computer.stub("cyclorama-health", f'[ "$2" = 3 ] || exit 9; exit {0 if well else 1}')
-        counted.write_text("")
-        bad += expect(f"a version on trial that is {'' if well else 'not '}well {'stays' if well else 'is rolled back'}", computer.run("health", **where) == (0 if well else 1))
-        counted.unlink()
-        bad += expect(f"one that was good and is {'' if well else 'not '}well stays", computer.run("health", **where) == 0)
+        status = computer.run("health", **where)
+        return status, [kernel.name for kernel in kernels.iterdir()]
+    bad += expect("a flashed version that is not well stays", start("1", "cyclorama-museum_1.efi", False) == (0, ["cyclorama-museum_1+3.efi"]))
+    bad += expect("it was not well yet", not well_versions.exists())
+    bad += expect("its attempts are counted from then on", start("1", "cyclorama-museum_1+2-1.efi", True) == (0, ["cyclorama-museum_1+3.efi"]))
+    bad += expect("a version on trial that is not well fails", start("2", "cyclorama-museum_2+2-1.efi", False) == (1, ["cyclorama-museum_2+2-1.efi"]))
+    bad += expect("and was not well", well_versions.read_text() == "1\n" and good.read_text() == "1\n")
+    bad += expect("one that is well stays", start("2", "cyclorama-museum_2+1-2.efi", True) == (0, ["cyclorama-museum_2+3.efi"]))
+    bad += expect("both were well", well_versions.read_text() == "1\n2\n" and good.read_text() == "1\n2\n")
+    bad += expect("a good version that is not well stays", start("2", "cyclorama-museum_2+2-1.efi", False) == (0, ["cyclorama-museum_2+3.efi"]))
+    bad += expect("as the one before does, after the other has rotted", start("1", "cyclorama-museum_1+2-1.efi", True) == (0, ["cyclorama-museum_1+3.efi"]))
+    bad += expect("which changes no order", well_versions.read_text() == "1\n2\n")
+    bad += expect("the third makes the first too old", start("10", "cyclorama-museum_10+2-1.efi", True)[0] == 0 and well_versions.read_text() == "2\n10\n" and good.read_text() == "2\n10\n", good.read_text())
+    bad += expect("a version is well wherever its kernel image is", start("10", "other.efi", True) == (0, ["other.efi"]))
     return bad
 
 
@@ -390,8 +421,10 @@ def check_farm_host(host, folder):
     bad += expect("the node's own reader refuses a wrong value", "refused" in host.report() and "threads" in host.report(), host.report())
     bad += expect("and they change nothing", (settings / "farm.toml").read_text() == HEAD)
     console = folder / "console"
-    host.run("tell-settings", CYCLORAMA_CONSOLE=str(console))
+    (folder / "recovery-key").write_text("cbdefghi-jklnrtuv\n")
+    host.run("tell-settings", CYCLORAMA_CONSOLE=str(console), CYCLORAMA_KEPT=str(folder))
     bad += expect("the serial port shows why", "threads" in console.read_text())
+    bad += expect("and the recovery key", "recovery key cbdefghi-jklnrtuv" in console.read_text())
     given = folder / "given-node"
     given.mkdir()
     (given / "node.toml").write_text('coordinators = ["[2001:db8::1]:7402"]\n')

@@ -20,7 +20,7 @@ import time
 
 SERVICES = {"farm": ["farm"], "node": ["node"], "museum": ["tour", "tracker", "display", "operator", "projectors", "hand", "calibrator"], "provision": [], "command": [], "tools": []}
 # Services that do one thing on demand and end.
-HELPERS = {"provision": ["provision-esp", "provision@", "settings"]}
+HELPERS = {"provision": ["check-settings", "provision-esp", "provision@", "settings"]}
 PROGRAMS = {"farm": ["cyclorama-authority", "cyclorama-farm"], "node": ["cyclorama-node"],
             "command": ["cyclorama"],
             "museum": ["cyclorama-calibrate-camera", "cyclorama-calibrator", "cyclorama-display", "cyclorama-fetch-update", "cyclorama-hand", "cyclorama-health", "cyclorama-operator", "cyclorama-projectors", "cyclorama-tour", "cyclorama-tracker"],

@@ -106,6 +106,7 @@ function showSettings(provisioning) {
     unchanged: "The last USB stick had the settings that were already in use.",
     restored: "The previous settings are in use again.",
     refused: "The last USB stick was refused.",
+    unconfirmed: "A USB stick was plugged in that is not signed by the museum's owner.",
   };
   const museum = provisioning && provisioning.museum ? `Museum “${provisioning.museum}”, ` : "";
   byId("settings-state").textContent =
@@ -114,7 +115,14 @@ function showSettings(provisioning) {
       : `${words[provisioning.verdict]} ${museum}${provisioning.projectors} projectors.`;
   const sentences = provisioning === null ? [] : [...provisioning.problems, ...provisioning.remarks];
   byId("settings-remarks").replaceChildren(...sentences.map((sentence) => make("li", sentence)));
+  const isWaiting = provisioning !== null && provisioning.verdict === "unconfirmed";
+  byId("settings-buttons").hidden = !isWaiting;
+  byId("confirm-stick").dataset.digest = isWaiting ? provisioning.digest : "";
 }
+pressTwice("confirm-stick", "Really take the settings of this stick?", async () => {
+  await ask("/request", { request: "confirm-stick", digest: byId("confirm-stick").dataset.digest });
+  say("The stick is read again; leave it in, or plug it in again.");
+});
 
 function showHours(schedule) {
   const state = byId("hours-state");
@@ -164,7 +172,14 @@ function showSoftware(update, page) {
       ? `Version ${page.version} of this page; the image's updater has not reported anything.`
       : `Version ${update.version}. ${words[update.state]}${update.available ? ` (${update.available})` : ""}`;
   byId("software-buttons").hidden = !page.requests;
+  if (page.recovery) byId("recovery").hidden = false;
 }
+
+press("recovery-key", async (button) => {
+  const answer = await ask("/recovery-key", {});
+  button.hidden = true;
+  byId("recovery-words").textContent = `Write it down, and keep it where the museum keeps its keys: ${answer.key}`;
+});
 
 press("update", async () => {
   await ask("/request", { request: "update" });

@@ -51,7 +51,7 @@ Findings well() {
   for (const char* const head : {"lit: left", "lit: right"}) set_gauge(&findings.processes[1], head, 1.0);
   set_gauge(&findings.processes[1], "awake", 1.0);
   set_gauge(&findings.processes[2], "frames_per_second", 30.0);
-  findings.machine = {50'000'000'000, 100'000'000'000, false, 55.0, 100.0, true, 0.5, {}, 0};
+  findings.machine = {50'000'000'000, 100'000'000'000, false, 55.0, 100.0, true, 0.5, {}, 0, SecureBoot::kOn, true, {}};
   findings.is_museum = true;
   findings.provisioning.emplace();
   findings.provisioning->verdict = provision::ProvisioningVerdict::kInstalled;
@@ -141,6 +141,16 @@ INSTANTIATE_TEST_SUITE_P(
         Trouble{"disk", CheckLevel::kFault, [](Findings* f) { f->machine.is_read_only = true; }},
         Trouble{"memory", CheckLevel::kWarning, [](Findings* f) { f->machine.memory_free_share = 0.01; }},
         Trouble{"disk", CheckLevel::kFault, [](Findings* f) { f->machine.only_in_memory = "the TPM is gone"; }},
+        Trouble{"settings", CheckLevel::kWarning,
+                [](Findings* f) { f->provisioning->verdict = provision::ProvisioningVerdict::kUnconfirmed; }},
+        Trouble{"secure-boot", CheckLevel::kFault, [](Findings* f) { f->machine.secure_boot = SecureBoot::kOff; }},
+        Trouble{"secure-boot", CheckLevel::kFault,
+                [](Findings* f) { f->machine.secure_boot = SecureBoot::kSetupMode; }},
+        Trouble{"encryption", CheckLevel::kFault,
+                [](Findings* f) {
+                  f->machine.is_encrypted = false;
+                  f->machine.unencrypted = "Secure Boot is off";
+                }},
         Trouble{"temperature", CheckLevel::kWarning, [](Findings* f) { f->machine.warmest_c = 91.0; }},
         Trouble{"temperature", CheckLevel::kFault, [](Findings* f) { f->machine.warmest_c = 99.0; }},
         Trouble{"update", CheckLevel::kWarning,
@@ -158,7 +168,7 @@ TEST(Checks, report_nothing_about_unknown_facts) {
   Findings findings = well();
   findings.machine = {};
   findings.update.reset();
-  for (const char* const id : {"disk", "memory", "temperature", "clock", "update"}) {
+  for (const char* const id : {"disk", "memory", "temperature", "clock", "update", "secure-boot", "encryption"}) {
     EXPECT_EQ(find(findings, id).title, "not in the list") << id;
   }
 }
@@ -190,6 +200,15 @@ TEST(MachineFacts, are_read_from_the_kernels_files) {
   EXPECT_EQ(facts.slowed_by_heat, 12u);
   write("run/cyclorama/var", "encrypted\n");
   EXPECT_EQ(read_machine_facts(root, root).only_in_memory, "");
+  EXPECT_TRUE(read_machine_facts(root, root).is_encrypted);
+  write("run/cyclorama/var", "plain: Secure Boot is off\n");
+  EXPECT_EQ(read_machine_facts(root, root).unencrypted, "Secure Boot is off");
+  EXPECT_FALSE(read_machine_facts(root, root).is_encrypted);
+  for (const auto& [word, meaning] : {std::pair("on", SecureBoot::kOn), std::pair("setup", SecureBoot::kSetupMode),
+                                      std::pair("off", SecureBoot::kOff), std::pair("?", SecureBoot::kUnknown)}) {
+    write("run/cyclorama/secure-boot", std::string(word) + "\n");
+    EXPECT_EQ(read_machine_facts(root, root).secure_boot, meaning) << word;
+  }
   EXPECT_GT(*facts.disk_bytes, *facts.disk_free_bytes);
   std::filesystem::remove_all(root);
   EXPECT_FALSE(read_machine_facts(root, root).warmest_c) << "nothing is known of nothing";

@@ -77,6 +77,7 @@ struct Page {
     museum.support.museum.root = stick.root();
     museum.support.journal = {"sh", "-c", "cat '" + (stick.root() / "journal").string() + "'"};
     museum.requests = keep / "requests";
+    museum.recovery_key = keep / "recovery-key";
     museum.fingerprint = certificate->fingerprint;
     auto started = PageServer::start("[::1]:0", watch.get(), {&museum, sessions.get(), &tls});
     CHECK(started);
@@ -240,6 +241,33 @@ TEST(MuseumPage, starts_calibrations_tests_the_network_and_passes_requests_on) {
   EXPECT_EQ(page.post("/request", R"({"request": "update"})"), 204);
   EXPECT_TRUE(fs::exists(page.keep / "requests" / "update"));
   EXPECT_EQ(page.post("/request", R"({"request": "../update"})"), 400);
+  const std::string digest(64, 'a');
+  const std::string confirm = R"({"request": "confirm-stick", "digest": ")";
+  EXPECT_EQ(page.post("/request", R"({"request": "confirm-stick"})"), 400);
+  EXPECT_EQ(page.post("/request", (confirm + "../etc\"}").c_str()), 400);
+  EXPECT_EQ(page.post("/request", (R"({"request": "update", "digest": ")" + digest + "\"}").c_str()), 400);
+  EXPECT_EQ(page.post("/request", (confirm + digest + "\"}").c_str()), 204);
+  EXPECT_EQ(*read_text_file(page.keep / "requests" / "confirm-stick", 100), digest + "\n");
+}
+
+TEST(MuseumPage, shows_the_recovery_key_once_to_who_has_the_pin) {
+  Page page;
+  const auto waits = [&] {
+    return Json::parse(page.client->Get("/museum", page.cookie)->body)["page"]["recovery"].get<bool>();
+  };
+  const std::string key = "cbdefghi-jklnrtuv";
+  ASSERT_TRUE(write_file_atomically(page.keep / "recovery-key", std::string_view("cbdefghi-jklnrtuv\n")));
+  EXPECT_EQ(page.post("/recovery-key", "{}"), 401);
+  page.enter();
+  EXPECT_TRUE(waits());
+  EXPECT_THAT(page.client->Get("/museum", page.cookie)->body, Not(HasSubstr(key)));
+  EXPECT_THAT(page.client->Get("/support-bundle.zip", page.cookie)->body, Not(HasSubstr(key)));
+  const auto shown = page.client->Post("/recovery-key", page.cookie, "{}", "application/json");
+  ASSERT_EQ(shown->status, 200) << shown->body;
+  EXPECT_EQ(Json::parse(shown->body)["key"], key);
+  EXPECT_FALSE(fs::exists(page.keep / "recovery-key"));
+  EXPECT_FALSE(waits());
+  EXPECT_EQ(page.post("/recovery-key", "{}"), 404);
 }
 
 TEST(MuseumPage, overrides_the_opening_hours_once_and_revokes_the_override) {

@@ -196,6 +196,14 @@ TEST(FetchUpdate, refuses_a_foreign_signature) {
   EXPECT_EQ(farm.sent_bytes(), 0u);
 }
 
+TEST(FetchUpdate, trusts_the_old_and_the_new_key_while_keys_are_changed) {
+  Farm farm;
+  farm.openssl("pkey -in theirs -pubout >>key.pub");
+  farm.sign("theirs");
+  farm.start();
+  EXPECT_TRUE(farm.fetch(farm.order()));
+}
+
 TEST(FetchUpdate, refuses_a_file_that_differs_from_the_signed_one) {
   Farm farm;
   farm.write(kRoot, std::string(kRootBytes, 'q'));

@@ -28,7 +28,8 @@ struct Connector {
   [[nodiscard]] bool is_same_as(const Connector& other) const;
 };
 
-/// Probes the connector, which takes some milliseconds. Errors: from errno; a connector may vanish (as with a dock).
-Result<Connector> probe_connector(int fd, std::uint32_t id);
+/// Reads the connector's state, after a probe if `is_probed`, which takes tens of milliseconds (DDC over the cable).
+/// Errors: from errno; a connector may vanish (as with a dock).
+Result<Connector> read_connector(int fd, std::uint32_t id, bool is_probed);
 
 }  // namespace cyclorama::output

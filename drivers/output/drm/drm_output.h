@@ -4,11 +4,13 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "drivers/output/drm/canvas.h"
+#include "drivers/output/drm/probe_runner.h"
 #include "drivers/output/output.h"
 
 namespace cyclorama::output {
@@ -28,9 +30,12 @@ struct DrmOptions {
   /// Flag that another thread may write and that must outlive the output. While it is false, all connectors are off
   /// (ACTIVE = 0). Null: always on.
   const std::atomic<bool>* is_awake = nullptr;
+  /// Makes what runs the probes of connectors; empty: a thread.
+  std::function<std::unique_ptr<ProbeRunner>()> make_probe_runner{};
 };
 
-/// Drives heads on the connectors of one or several graphics cards; all heads of a card flip in one atomic commit.
+/// Drives heads on the connectors of one or several graphics cards. Heads of a card with the same refresh rate flip in one
+/// atomic commit; the fastest head of all sets the pace, and slower ones get the newest picture at their own rate.
 ///
 /// A head without a projector is drawn nevertheless and shown as soon as a projector is connected; it is drawn at the
 /// size given in the installation and scaled to the projector's mode. Every failure is retried at the following

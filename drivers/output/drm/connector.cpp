@@ -54,7 +54,12 @@ Result<Connector> read_connector(int fd, std::uint32_t id, bool is_probed) {
   const Property* const link = connector.properties.find("link-status");
   connector.is_link_bad = link != nullptr && link->value == kLinkBad;
   if (connector.is_connected) connector.edid_bytes = blob_bytes(fd, connector.properties.find("EDID"));
-  if (auto edid = parse_edid(connector.edid_bytes)) connector.edid = *std::move(edid);
+  if (auto edid = parse_edid(connector.edid_bytes)) {
+    connector.edid = *std::move(edid);
+  } else if (connector.is_connected) {
+    connector.edid_fault =
+        connector.edid_bytes.empty() ? "no EDID: check the cable, or set 'edid'" : edid.error().message();
+  }
   return connector;
 }
 

@@ -241,8 +241,8 @@ drmModeConnectorPtr __wrap_drmModeGetConnector(int fd, std::uint32_t id) {
   machine().lock_connectors();
   FakeConnector& connector = card->card.connectors.at(id - FakeMachine::kFirstConnector);
   machine().spend(connector.probe_time);
-  connector.known_connected = connector.is_connected;
-  return connector_info(id, connector, connector.is_connected);
+  connector.known_connected = connector.is_connected && connector.has_hot_plug;
+  return connector_info(id, connector, *connector.known_connected);
 }
 drmModeConnectorPtr __wrap_drmModeGetConnectorCurrent(int fd, std::uint32_t id) {
   FakeMachine::CardState* const card = card_or_errno(fd);

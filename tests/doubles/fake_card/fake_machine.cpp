@@ -60,7 +60,7 @@ drmModeModeInfo fake_mode(int width_px, int height_px, double refresh_hz, bool i
   return mode;
 }
 
-std::vector<std::uint8_t> fake_edid(const std::string& model, int colour_bits) {
+std::vector<std::uint8_t> fake_edid(const std::string& model, int colour_bits, const std::string& serial) {
   std::vector<std::uint8_t> edid(128, 0);
   for (std::size_t i = 1; i < 7; ++i) edid[i] = 0xff;
   edid[8] = 0x0c;  // The letters "CYC" are 3, 25 and 3, with five bits each.
@@ -72,10 +72,13 @@ std::vector<std::uint8_t> fake_edid(const std::string& model, int colour_bits) {
   edid[18] = 1;
   edid[19] = 4;
   edid[20] = static_cast<std::uint8_t>(0x80 | (colour_bits == 0 ? 0 : (colour_bits / 2 - 2) << 4));
-  edid[54 + 3] = 0xfc;
-  for (std::size_t i = 0; i < 13; ++i) {
-    edid[54 + 5 + i] = static_cast<std::uint8_t>(i < model.size() ? model[i] : i == model.size() ? '\n' : ' ');
-  }
+  const auto add_text = [&](std::size_t at, std::uint8_t kind, const std::string& text) {
+    edid[at + 3] = kind;
+    for (std::size_t i = 0; i < 13; ++i)
+      edid[at + 5 + i] = static_cast<std::uint8_t>(i < text.size() ? text[i] : i == text.size() ? '\n' : ' ');
+  };
+  add_text(54, 0xfc, model);
+  if (!serial.empty()) add_text(72, 0xff, serial);
   const unsigned sum = std::accumulate(edid.begin(), edid.end(), 0U);
   edid[127] = static_cast<std::uint8_t>(256 - sum % 256);
   return edid;

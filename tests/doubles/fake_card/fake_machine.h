@@ -35,8 +35,8 @@ namespace cyclorama {
 
 /// Returns a progressive mode with much blanking.
 drmModeModeInfo fake_mode(int width_px, int height_px, double refresh_hz, bool is_preferred = false);
-/// Returns a complete EDID 1.4 base block; `colour_bits` is 0, 6, 8, ... 16.
-std::vector<std::uint8_t> fake_edid(const std::string& model, int colour_bits);
+/// Returns a complete EDID 1.4 base block without timings; `colour_bits` is 0, 6, 8, ... 16.
+std::vector<std::uint8_t> fake_edid(const std::string& model, int colour_bits, const std::string& serial = {});
 
 struct FakeConnector {
   std::uint32_t type = DRM_MODE_CONNECTOR_HDMIA;
@@ -46,6 +46,7 @@ struct FakeConnector {
   std::vector<std::uint8_t> edid;
   std::uint32_t possible_crtcs = 0xff;
   std::uint64_t max_bpc = 0;  ///< 0 if the driver does not have this property.
+  bool has_hot_plug = true;   ///< False: the kernel takes it for disconnected, whatever is plugged in.
   std::optional<bool> known_connected{};  ///< State found by the kernel's last probe.
   Duration probe_time{};                  ///< Duration of a real probe: DDC over the cable.
   Duration modeset_time{};                ///< Duration of a commit that lights it or changes its mode.

@@ -92,9 +92,13 @@ Status CardHeads::add_pipe(const GpuContext& gpu, std::span<const Connector> con
       pipes_.push_back(std::move(made));
     }
     Pipe& pipe = pipes_.back();
+    // A kept pipe may get the picture of another head, whose projector was plugged into its connector.
+    pipe.is_drawn = pipe.is_drawn || pipe.target.head != target.head;
     pipe.target = target;
     pipe.connector_text = target.connector->name;
     if (target.connector->edid) pipe.connector_text += " " + target.connector->edid->text();
+    if (!target.connector->edid_fault.empty())
+      pipe.connector_text += fmt::format(" ({})", target.connector->edid_fault);
     auto tested = set_up(connectors, false).test_modeset(card_);
     if (tested || !is_refusal(tested.error())) return tested;
     retired_.push_back(std::move(pipes_.back()));

@@ -26,7 +26,8 @@ constexpr int kMaxBusyFlips = 3;
 /// One card and its state.
 struct CardState {
   std::unique_ptr<CardHeads> heads;
-  std::vector<Connector> connectors;
+  std::vector<Connector> connectors;  // Result of the last reading.
+  std::vector<Connector> driven;      // The same, with what the heads' options replace.
   bool needs_light = true;
   bool has_lost_master = false;
   int failures = 0;  // Failures since the card was last lit.
@@ -46,6 +47,7 @@ class DrmOutput final : public Output {
   Status open() {
     for (const DrmHead& head : options_.heads) {
       TRY_ASSIGN(ConnectorPreference preferred, parse_connector_preference(head.connector));
+      preferred.serial = head.serial;
       preferences_.push_back(std::move(preferred));
     }
     if (options_.cards.empty()) {
@@ -287,9 +289,22 @@ class DrmOutput final : public Output {
   /// Returns null if the head's connector is not on this card.
   [[nodiscard]] const Connector* connector_of(std::size_t head, const CardState& card) const {
     if (connectors_.empty() || !connectors_[head] || &cards_[connectors_[head]->card] != &card) return nullptr;
-    const auto found = std::find_if(card.connectors.begin(), card.connectors.end(),
+    const auto found = std::find_if(card.driven.begin(), card.driven.end(),
                                     [&](const Connector& c) { return c.name == connectors_[head]->connector; });
-    return found == card.connectors.end() ? nullptr : &*found;
+    return found == card.driven.end() ? nullptr : &*found;
+  }
+
+  /// Applies a head's own EDID to its connector.
+  void replace_edid(std::size_t head) {
+    const DrmHead& options = options_.heads[head];
+    if (!options.edid || !connectors_[head]) return;
+    for (Connector& connector : cards_[connectors_[head]->card].driven) {
+      if (connector.name != connectors_[head]->connector) continue;
+      connector.is_connected = connector.is_connected || options.is_always_connected;
+      connector.edid = options.edid;
+      connector.edid_fault.clear();
+      connector.modes = modes_of(options.edid->timings);
+    }
   }
 
   Status recover() {
@@ -305,7 +320,7 @@ class DrmOutput final : public Output {
       }
       const bool is_any_showing =
           std::any_of(cards_.begin(), cards_.end(), [](const CardState& c) { return c.heads->is_any_showing(); });
-      auto lit = card.heads->light(*gpu_, *copier_, card.connectors, targets_of(card), !is_any_showing);
+      auto lit = card.heads->light(*gpu_, *copier_, card.driven, targets_of(card), !is_any_showing);
       if (!lit) {
         TRY(take_failure(&card, std::move(lit).error()));
         continue;
@@ -323,9 +338,15 @@ class DrmOutput final : public Output {
     std::vector<AvailableConnector> seen;
     for (std::size_t i = 0; i < cards_.size(); ++i) {
       for (const Connector& connector : cards_[i].connectors)
-        seen.push_back({{i, connector.name}, connector.is_connected});
+        seen.push_back({{i, connector.name}, connector.is_connected, connector.edid ? connector.edid->serial : ""});
     }
-    connectors_ = assign_connectors(preferences_, seen, connectors_);
+    auto assigned = assign_connectors(preferences_, seen, connectors_);
+    if (assigned != connectors_) {
+      for (CardState& card : cards_) card.needs_light = true;
+    }
+    connectors_ = std::move(assigned);
+    for (CardState& card : cards_) card.driven = card.connectors;
+    for (std::size_t head = 0; head < modes_.size(); ++head) replace_edid(head);
   }
 
   [[nodiscard]] std::vector<HeadTarget> targets_of(const CardState& card) const {

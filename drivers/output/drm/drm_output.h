@@ -6,9 +6,11 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "common/edid/edid.h"
 #include "drivers/output/drm/canvas.h"
 #include "drivers/output/drm/probe_runner.h"
 #include "drivers/output/output.h"
@@ -19,6 +21,9 @@ struct DrmHead {
   HeadMode mode;          ///< Size of the picture that is drawn, before rotation.
   std::string connector;  ///< "HDMI-A-1", "1:HDMI-A-1" on the second card, or empty for any free connector.
   Rotation rotation = Rotation::kNone;
+  std::string serial{};              ///< Serial of the projector, which is found on any connector; empty: none.
+  std::optional<Edid> edid{};        ///< Replaces what the projector reports, with its timings.
+  bool is_always_connected = false;  ///< Its connector is lit even if nothing seems to be connected; needs `edid`.
 };
 
 struct DrmOptions {

@@ -6,6 +6,7 @@
 
 #include <cerrno>
 
+#include "drivers/output/drm/mode_choice.h"
 #include "drivers/output/gl_objects.h"
 #include "tests/doubles/fake_card/fake_machine.h"
 
@@ -273,6 +274,68 @@ TEST_F(DrmOutputTest, starts_without_projectors_and_uses_them_when_they_appear) 
   machine_->hot_plug();
   ASSERT_TRUE(refresh(99));
   EXPECT_THAT(seen(0), ElementsAre(99, 0, 0));
+}
+
+TEST_F(DrmOutputTest, follows_projectors_with_serials_to_other_connectors) {
+  FakeCard card = three_projectors();
+  for (std::size_t i = 0; i < 3; ++i) card.connectors[i].edid = fake_edid("P", 8, "S" + std::to_string(i));
+  use({card});
+  DrmOptions options = three_heads();
+  for (std::size_t i = 0; i < 3; ++i) {
+    options.heads[i].connector.clear();
+    options.heads[i].serial = "S" + std::to_string(2 - i);
+  }
+  open(options);
+  ASSERT_TRUE(refresh(9));
+  EXPECT_THAT(seen(0), ElementsAre(9, 2, 0));
+  EXPECT_THAT(seen(2), ElementsAre(9, 0, 0));
+  std::swap(machine_->connector(0, 0).edid, machine_->connector(0, 1).edid);
+  machine_->hot_plug();
+  // Nothing is drawn again, as in a show that stands still.
+  for (int n = 0; n < 3; ++n) {
+    ASSERT_TRUE(output_->wait_for_refresh());
+    ASSERT_TRUE(output_->present());
+  }
+  EXPECT_THAT(seen(0), ElementsAre(9, 1, 0));
+  EXPECT_THAT(seen(1), ElementsAre(9, 2, 0));
+}
+
+TEST_F(DrmOutputTest, drives_a_connector_without_hot_plug_with_the_given_edid) {
+  FakeCard card = three_projectors();
+  card.connectors[1].has_hot_plug = false;
+  const VideoTiming timing{2500, {64, 8, 8, 24, true}, {36, 2, 4, 358, true}};
+  Edid edid;
+  edid.maker = "EXT";
+  edid.model = "Extender";
+  edid.timings = {timing};
+  card.connectors[1].modes = modes_of(edid.timings);
+  use({card});
+  DrmOptions options = three_heads();
+  options.heads[1].edid = edid;
+  open(options);
+  ASSERT_TRUE(refresh(1));
+  EXPECT_THAT(seen(1), ElementsAre(-1));
+  output_.reset();
+  options.heads[1].is_always_connected = true;
+  open(options);
+  ASSERT_TRUE(refresh(2));
+  EXPECT_THAT(seen(1), ElementsAre(2, 1, 0));
+  EXPECT_THAT(output_->kind(), HasSubstr("HDMI-A-2 EXT Extender, 64x36"));
+  // Readings that find nothing connected change nothing.
+  const int before = machine_->modesets(0);
+  machine_->hot_plug();
+  for (int n = 0; n < 60 * 6; ++n) ASSERT_TRUE(refresh(n % 256));
+  EXPECT_EQ(machine_->modesets(0), before);
+}
+
+TEST_F(DrmOutputTest, states_what_is_wrong_with_an_edid) {
+  FakeCard card = three_projectors();
+  card.connectors[0].edid.clear();
+  card.connectors[1].edid[127] ^= 1;
+  use({card});
+  open(three_heads());
+  EXPECT_THAT(output_->kind(), HasSubstr("left: HDMI-A-1 (no EDID: check the cable"));
+  EXPECT_THAT(output_->kind(), HasSubstr("middle: HDMI-A-2 (the EDID's bytes add up to 0x"));
 }
 
 TEST_F(DrmOutputTest, probes_only_the_dark_connectors_again) {

@@ -24,10 +24,16 @@ output::Rotation rotation_of(int turn_deg) {
   return kTurns[static_cast<std::size_t>(turn_deg / 90)];
 }
 
-output::DrmHead head_of(const InstalledProjector& projector) {
+Result<output::DrmHead> head_of(const InstalledProjector& projector) {
   const Plug& plug = projector.plug;
-  return {mode_of(projector), plug.card ? fmt::format("{}:{}", *plug.card, plug.connector) : plug.connector,
-          rotation_of(plug.turn_deg)};
+  output::DrmHead head{mode_of(projector),
+                       plug.card ? fmt::format("{}:{}", *plug.card, plug.connector) : plug.connector,
+                       rotation_of(plug.turn_deg), plug.serial};
+  if (!plug.edid.empty()) {
+    TRY_ASSIGN(head.edid, read_edid_to_drive(plug.edid));
+    head.is_always_connected = plug.is_always_connected;
+  }
+  return head;
 }
 
 }  // namespace
@@ -38,7 +44,10 @@ Result<output::DrmOptions> drm_options(const OutputChoice& choice, const Install
   options.refresh_hz = refresh_hz;
   options.cards = choice.cards.empty() ? installation.cards : choice.cards;
   options.is_awake = choice.is_awake;
-  for (const InstalledProjector& projector : installation.projectors) options.heads.push_back(head_of(projector));
+  for (const InstalledProjector& projector : installation.projectors) {
+    TRY_ASSIGN(output::DrmHead head, head_of(projector));
+    options.heads.push_back(std::move(head));
+  }
   for (const OutputChoice::Head& head : choice.heads) {
     const auto found = std::find_if(options.heads.begin(), options.heads.end(),
                                     [&](const output::DrmHead& h) { return h.mode.name == head.projector; });
@@ -48,6 +57,7 @@ Result<output::DrmOptions> drm_options(const OutputChoice& choice, const Install
                                printable(head.projector)));
     }
     found->connector = head.connector;
+    found->serial.clear();
     found->rotation = head.rotation;
   }
   return options;

@@ -38,7 +38,8 @@ struct OutputChoice {
 /// turned clockwise by 0, 90, 180 or 270 degrees. Errors: kInvalidArgument if `text` has another form.
 Result<OutputChoice::Head> parse_head(std::string_view text);
 
-/// Returns the options of a DRM output. Errors: kInvalidArgument if a head's projector is not installed.
+/// Returns the options of a DRM output. Errors: kInvalidArgument if a head's projector is not installed; those of
+/// read_edid_to_drive().
 Result<output::DrmOptions> drm_options(const OutputChoice& choice, const Installation& installation, double refresh_hz);
 
 /// Opens the chosen output. Errors: those of open_headless_output(), drm_options() and open_drm_output().

@@ -92,6 +92,8 @@ class WatchedPicture {
   std::unique_ptr<Picture> take_empty() { return empty_.take(); }
   [[nodiscard]] bool is_wanted() const { return !empty_.is_empty(); }
   void give(std::unique_ptr<Picture> picture) { filled_.put(std::move(picture)); }
+  /// Presenter's side: returns a picture that it could not fill; it is wanted still.
+  void put_back(std::unique_ptr<Picture> picture) { empty_.put(std::move(picture)); }
 
  private:
   AtomicSlot<Picture> empty_;

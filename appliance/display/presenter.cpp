@@ -45,7 +45,7 @@ Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadP
   TRY_ASSIGN(presenter->patterns_, PatternShow::make(gl, output->heads(), &mailbox->patterns));
   presenter->step();
   for (const output::HeadMode& mode : output->heads())
-    presenter->read_backs_.emplace_back(mode.width_px, mode.height_px);
+    presenter->read_backs_.emplace_back(gl, mode.width_px, mode.height_px);
   presenter->attract_frame_ = attract;
   TRY(presenter->warm_up(may_change));
   return presenter;
@@ -73,6 +73,13 @@ void Presenter::step() {
   const TimePoint now = clock_.now();
   mailbox_.max_step = std::max(mailbox_.max_step.load(), now - mailbox_.stepped_at.load());
   mailbox_.stepped_at = now;
+}
+
+Presenter::~Presenter() {
+  for (std::size_t head = 0; head < read_backs_.size(); ++head) {
+    if (std::unique_ptr<RgbImage> watched = read_backs_[head].cancel())
+      mailbox_.heads[head].put_back(std::move(watched));
+  }
 }
 
 Status Presenter::go_on_with(PresenterState showing) {
@@ -115,6 +122,7 @@ Status Presenter::refresh() {
   }
   event.drawn_at = clock_.now();
   TRY_ASSIGN(event.presented, output_.present());
+  answer_watchers();
   step();
   shared_.shown(event.presented, output_.refresh_hz());
   patterns_->presented(event.presented, output_.shown());
@@ -286,17 +294,15 @@ Status Presenter::draw_patterns() {
 }
 
 void Presenter::show_watcher(std::size_t head) {
-  std::unique_ptr<RgbImage> watched = mailbox_.heads[head].take_empty();
-  if (watched == nullptr) return;
-  read_back(head, watched.get());
-  mailbox_.heads[head].give(std::move(watched));
+  if (read_backs_[head].is_reading()) return;
+  if (std::unique_ptr<RgbImage> watched = mailbox_.heads[head].take_empty())
+    read_backs_[head].begin(std::move(watched));
 }
 
-void Presenter::read_back(std::size_t head, RgbImage* ret_picture) {
-  RgbaImage& pixels = read_backs_[head];
-  output_.gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
-  output_.gl().ReadPixels(0, 0, pixels.width(), pixels.height(), GL_RGBA, GL_UNSIGNED_BYTE, pixels.data().data());
-  output::to_picture(pixels, ret_picture);
+void Presenter::answer_watchers() {
+  for (std::size_t head = 0; head < read_backs_.size(); ++head) {
+    if (std::unique_ptr<RgbImage> watched = read_backs_[head].step()) mailbox_.heads[head].give(std::move(watched));
+  }
 }
 
 bool Presenter::is_any_head_watched() const {

@@ -9,6 +9,7 @@
 #include "appliance/display/attract_fade.h"
 #include "appliance/display/eye_move.h"
 #include "appliance/display/frame_light.h"
+#include "appliance/display/head_read_back.h"
 #include "appliance/display/head_transition.h"
 #include "appliance/display/pattern_show.h"
 #include "appliance/display/present_mailbox.h"
@@ -43,6 +44,10 @@ class Presenter {
   static Result<std::unique_ptr<Presenter>> make(output::Output* output, HeadPlans plans, bool may_change,
                                                  const DisplayFrame& attract, const AttractTimes& times,
                                                  PresentMailbox* mailbox, const Clock* clock);
+  /// Returns unfinished pictures of heads to the mailbox, for the next presenter.
+  ~Presenter();
+  Presenter(const Presenter&) = delete;
+  Presenter& operator=(const Presenter&) = delete;
   static Result<std::unique_ptr<Presenter>> make(output::Output* output, const std::vector<HeadPlan>& plans,
                                                  const DisplayFrame& attract, const AttractTimes& times,
                                                  PresentMailbox* mailbox, const Clock* clock) {
@@ -77,7 +82,7 @@ class Presenter {
   void show_watcher(std::size_t head);
   void report_heads();
   void notice_depths();
-  void read_back(std::size_t head, RgbImage* ret_picture);
+  void answer_watchers();
   [[nodiscard]] bool is_any_head_watched() const;
 
   output::Output& output_;
@@ -89,7 +94,7 @@ class Presenter {
   std::optional<FrameLight> light_;  // Always set after make().
   std::unique_ptr<HeadTransition> heads_;
   std::unique_ptr<PatternShow> patterns_;
-  std::vector<RgbaImage> read_backs_;
+  std::vector<HeadReadBack> read_backs_;
   AttractFade fade_;
   std::optional<AttractFade> cut_;  // From left_ to the present place, while that lasts.
   double left_turn_rad_ = 0.0;

@@ -39,13 +39,23 @@ const char* wrong_side(const Wall& wall) {
   return "is behind the wall; move it, or turn the wall: corners_m go from the visitor's left to right";
 }
 
-Plug read_plug(ConfigTable* table) {
+Plug read_plug(ConfigTable* table, const std::filesystem::path& folder) {
   Plug plug;
   plug.connector = table->text("connector", "");
   if (table->has("card")) plug.card = table->integer("card", {0, 15});
   if (plug.card && plug.connector.empty()) table->refuse("card", "has no effect without a 'connector'");
   if (plug.connector.find(':') != std::string::npos)
     table->refuse("connector", "is a connector's name, such as HDMI-A-1; write card = 1 for one on the second card");
+  plug.serial = table->text("serial", "");
+  if (!plug.serial.empty() && !plug.connector.empty())
+    table->refuse("serial", "and 'connector' both name the head; leave one out: a serial follows the projector");
+  if (table->has("edid")) plug.edid = file_beside(table, "edid", folder);
+  plug.is_always_connected = table->choice("connect", {"detected", "always"}, "detected") == "always";
+  if (plug.is_always_connected && (plug.connector.empty() || plug.edid.empty()))
+    table->refuse("connect",
+                  "= \"always\" needs 'connector', the head to drive, and 'edid', the file with its timings");
+  if (!plug.edid.empty() && !plug.serial.empty())
+    table->refuse("edid", "replaces what the projector reports, so that 'serial' cannot find it; write its connector");
   plug.turn_deg = table->integer("turn_deg", {0, 270}, 0);
   if (plug.turn_deg % 90 != 0) table->refuse("turn_deg", "must be 0, 90, 180 or 270");
   return plug;
@@ -72,6 +82,9 @@ void refuse_shared_connectors(const std::vector<InstalledProjector>& projectors,
     const Plug& other = projectors[i].plug;
     if (!added.connector.empty() && added.connector == other.connector && added.card == other.card)
       table->refuse("connector", fmt::format("is the connector of '{}' too; each has its own", projectors[i].name));
+    if (!added.serial.empty() && added.serial == other.serial)
+      table->refuse("serial",
+                    fmt::format("is the serial of '{}' too; write their connectors instead", projectors[i].name));
   }
 }
 
@@ -119,7 +132,7 @@ InstalledProjector read_projector(ConfigTable table, const std::optional<Wall>& 
   const double tilt = table.number("tilt_deg", kAngles, 0.0) * kDegree;
   const double roll = table.number("roll_deg", kAngles, 0.0) * kDegree;
   projector.T_room_projector = {aimed(pan, tilt, roll), position.xyz};
-  projector.plug = read_plug(&table);
+  projector.plug = read_plug(&table, folder);
   projector.pjlink = read_pjlink(&table, folder);
   if (wall && !is_lit_from(*wall, position)) table.refuse("position_m", wrong_side(*wall));
   projector.warp = read_warp(&table, folder);
@@ -127,6 +140,19 @@ InstalledProjector read_projector(ConfigTable table, const std::optional<Wall>& 
 }
 
 }  // namespace
+
+Status check_connectors(const Installation& installation) {
+  if (installation.projectors.size() < 2) return Done{};
+  for (const InstalledProjector& projector : installation.projectors) {
+    if (!projector.plug.connector.empty() || !projector.plug.serial.empty()) continue;
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("projector '{}' has neither 'connector' nor 'serial', so after a power cut it could show "
+                             "another one's picture: write the connector that it is plugged into, such as connector = "
+                             "\"HDMI-A-1\", or the serial of its EDID",
+                             projector.name));
+  }
+  return Done{};
+}
 
 Result<Address> parse_projector_address(const std::string& text) {
   constexpr int kPjlinkPort = 4352;

@@ -22,7 +22,10 @@ namespace cyclorama {
 /// Connector of a projector, and the rotation of its picture.
 struct Plug {
   std::optional<int> card{};  ///< Index into Installation::cards, from 0; absent: the first card that fits.
-  std::string connector{};    ///< Such as "HDMI-A-1"; empty: any free connector.
+  std::string connector{};    ///< Such as "HDMI-A-1"; empty: by `serial`, or any free connector.
+  std::string serial{};       ///< Serial of its EDID, by which it is found on any connector; empty: none.
+  std::filesystem::path edid{};      ///< EDID that replaces the reported one; empty: none.
+  bool is_always_connected = false;  ///< Driven even if nothing seems connected, as `edid` states.
   int turn_deg = 0;           ///< Clockwise: 0, 90, 180, 270.
 };
 
@@ -80,6 +83,10 @@ struct Installation {
   /// distance, since disparity is proportional to the inverse distance.
   [[nodiscard]] double screen_distance_m(const PictureShape& picture) const;
 };
+
+/// Checks that every projector of several can be told from the others on any start: by a connector or a serial, since a
+/// free connector goes to the lamp that wakes first. Errors: kInvalidArgument with the name of one that cannot.
+Status check_connectors(const Installation& installation);
 
 /// Parses HOST or HOST:PORT; the default port is that of PJLink. Errors: those of parse_address().
 Result<Address> parse_projector_address(const std::string& text);

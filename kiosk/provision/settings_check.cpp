@@ -9,6 +9,7 @@
 #include "common/base/file.h"
 #include "common/base/text.h"
 #include "common/config/config.h"
+#include "common/edid/sockets.h"
 #include "common/image/image_file.h"
 #include "common/opening/opening_hours.h"
 #include "common/room/installation.h"
@@ -30,7 +31,7 @@ constexpr const char* kProjectorsGroup = "cyclorama-projectors";
 
 class MuseumChecker {
  public:
-  MuseumChecker(const fs::path& folder, const SettingsCheck& how) : check_(folder, how) {}
+  MuseumChecker(const fs::path& folder, const SettingsCheck& how) : check_(folder, how), sockets_(how.sockets) {}
 
   SettingsVerdict run() {
     check_site();
@@ -107,11 +108,19 @@ class MuseumChecker {
     const auto installation = read_installation(check_.in("installation.toml"));
     if (!installation) return check_.problem(installation.error().message());
     check_.verdict().projectors = static_cast<int>(installation->projectors.size());
+    if (const auto checked = check_connectors(*installation); !checked) {
+      check_.problem(fmt::format("installation.toml: {}. Connected to this computer now: {}", checked.error().message(),
+                                 text_of_connected(list_sockets(sockets_))));
+    }
     for (const InstalledProjector& projector : installation->projectors) {
       const std::string where = fmt::format("installation.toml: projector '{}'", printable(projector.name));
       if (projector.warp) {
         check_.is_ours(projector.warp->file, where);
         if (!projector.warp->mask.empty()) check_.is_ours(projector.warp->mask, where);
+      }
+      if (!projector.plug.edid.empty() && check_.is_ours(projector.plug.edid, where)) {
+        const auto edid = read_edid_to_drive(projector.plug.edid);
+        if (!edid) check_.problem(edid.error().message());
       }
       if (!projector.pjlink || projector.pjlink->password_file.empty()) continue;
       if (check_.is_ours_unquoted(projector.pjlink->password_file, where + " password_file"))
@@ -200,6 +209,7 @@ class MuseumChecker {
   }
 
   FolderCheck check_;
+  fs::path sockets_;
 };
 
 }  // namespace

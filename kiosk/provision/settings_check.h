@@ -40,6 +40,7 @@ struct SettingsCheck {
   /// which check their own tables; empty: their tables are not checked.
   std::filesystem::path programs{};
   SettingsOf of = SettingsOf::kMuseum;
+  std::filesystem::path sockets{"/sys/class/drm"};  ///< Folder in which the kernel lists the connectors.
 };
 
 /// Checks everything with the readers of the programs themselves, without stopping at the first mistake: site.toml

@@ -6,6 +6,7 @@ no virtual camera and no shell; appliance_mission.py tests that one with a USB c
 import functools
 import pathlib
 import subprocess
+import sys
 import time
 
 from appliance import HEADS, HEIGHT, WIDTH, Appliance, reference_pictures, save_png
@@ -14,6 +15,8 @@ from disk_image import stick
 from host_farm import HostFarm
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/tools"))
+from museum_room import room_on  # noqa: E402
 # Beyond the dead angle of 5.7 degrees and far below full speed: a degree per second, so that consecutive pictures can
 # be matched.
 WANDS = {"rest": (0.0, 1.0), "right": (14.0, 1.0), "left": (-14.0, 1.0)}
@@ -129,7 +132,7 @@ def is_attracting(machine, reference):
 def stick_of_farm(folder, farm, **others):
     """Returns a museum's stick for this farm, its camera and its small projectors. `others` adds or replaces files by
     name, such as operator="..." for operator.toml."""
-    installation = (ROOT / "demo/installation.toml").read_text().replace(f"width_px = {WIDTH}", f"width_px = {SMALL[0]}")
+    installation = room_on(ROOT, "Virtual").replace(f"width_px = {WIDTH}", f"width_px = {SMALL[0]}")
     installation = installation.replace(f"height_px = {HEIGHT}", f"height_px = {SMALL[1]}")
     texts = {"site": farm.site(), "tracker": TRACKER, "installation": installation} | others
     contents = dict(farm.on_stick())

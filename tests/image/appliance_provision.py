@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests settings on a stick: good ones are taken into use, wrong ones are refused with a reason and change nothing."""
 import pathlib
+import sys
 
 from appliance import Appliance
 from appliance_boot import computer
 from disk_image import stick
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/tools"))
+from museum_room import room_on  # noqa: E402
 GOOD = '[farm]\ncoordinators = ["[2001:db8::1]:7401"]\nmuseum = "Hall 3"\n'
 BAD = '[farm]\nheds = ["[2001:db8::1]:7401"]\n'
 
@@ -15,7 +18,9 @@ def plug(machine, folder, name, site):
     file = folder / f"{name}.toml"
     file.write_text(site)
     image = folder / f"{name}.img"
-    stick(image, 40, {"cyclorama/site.toml": file, "cyclorama/installation.toml": ROOT / "demo/installation.toml"})
+    room = folder / "installation.toml"
+    room.write_text(room_on(ROOT, "Virtual"))
+    stick(image, 40, {"cyclorama/site.toml": file, "cyclorama/installation.toml": room})
     if not machine.plug_stick(image, name):
         print(machine.run("journalctl -b -o cat --no-pager -u 'cyclorama-provision@*' | tail -n 20")[1], flush=True)
 

@@ -14,6 +14,9 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
+from museum_room import room_on  # noqa: E402
+
 GOOD = '[farm]\ncoordinators = ["[2001:db8::1]:7401"]\nmuseum = "Hall 3"\n'
 DEFAULT = '[farm]\ncoordinators = ["[::1]:7401"]\n'
 
@@ -28,6 +31,7 @@ class Computer:
         for tree in (source / "image/mkosi.extra", source / "kiosk/lockdown", source / f"image/mkosi.profiles/{profile}/mkosi.extra"):
             shutil.copytree(tree, over, symlinks=True, dirs_exist_ok=True)
         self.over = over
+        self.source = source
         self.scripts = over / "usr/lib/cyclorama"
         self.state = folder / "state"
         self.defaults = over / "usr/share/cyclorama/settings"
@@ -84,7 +88,7 @@ def check_settings(computer, folder):
     given = folder / "given"
     given.mkdir()
     (given / "site.toml").write_text(GOOD)
-    shutil.copy(computer.defaults / "installation.toml", given)
+    (given / "installation.toml").write_text(room_on(computer.source, "HDMI-A"))
     computer.start_with(given)
     bad += expect("good settings are taken", computer.site() == GOOD and "installed" in computer.report(), computer.report())
     computer.run("find-settings")

@@ -13,6 +13,7 @@ ROWS = """
 common/base:
 common/board:
 common/config: common/base
+common/edid: common/base
 common/geometry: common/base
 common/http: common/base
 common/image: common/base
@@ -27,7 +28,7 @@ common/wire: common/base common/geometry common/image
 drivers/camera: common/base common/config common/image
 drivers/devices: common/base drivers/camera drivers/simulated drivers/turntable
 drivers/input: common/base
-drivers/output: common/base common/image common/opening common/process common/room common/wire
+drivers/output: common/base common/edid common/image common/opening common/process common/room common/wire
 drivers/simulated: common/base common/config common/geometry common/image common/process common/room common/wand
     common/wire drivers/camera drivers/output drivers/turntable
 drivers/turntable: common/base
@@ -80,7 +81,7 @@ appliance/warp: common/base common/geometry common/image common/room
 
 kiosk/operator: common/base common/board common/config common/http common/image common/opening common/process
     common/wand common/wire kiosk/provision kiosk/tour kiosk/update
-kiosk/provision: common/base common/config common/image common/opening common/process common/room common/wand
+kiosk/provision: common/base common/config common/edid common/image common/opening common/process common/room common/wand
     common/wire kiosk/tour kiosk/update
 kiosk/tour: common/base common/config common/geometry common/json common/process common/wire renderfarm/client
 kiosk/update: common/base common/config common/opening common/process common/update common/wire kiosk/tour

@@ -16,8 +16,8 @@ HARMLESS = {"drmModeGetConnectorTypeName", "eglGetError", "eglReleaseThread"}
 SYSTEM_CALL = re.compile(r"(?<![\w>)])::(\w+)\(")
 HARMLESS_SYSTEM = {"strnlen"}
 REQUEST = re.compile(r"\bVIDIOC_\w+")
-# Made by headers that the drivers include.
-BY_HEADERS = {"open", "close"}
+# Calls of the system, and those of headers that the drivers include.
+BY_HEADERS = {"open", "close", "ioctl", "poll"}
 
 
 def code_of(root, folder):

@@ -16,6 +16,9 @@ import tempfile
 import threading
 import time
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
+from museum_room import room_on  # noqa: E402
+
 
 def run(*command):
     return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=120)
@@ -58,7 +61,7 @@ def check_provisioning(source, build, folder):
     stick, state = folder / "stick", folder / "state"
     stick.mkdir()
     (stick / "site.toml").write_text('[farm]\ncoordinators = ["[::1]:1"]\nmuseum = "hall-3"\n[display]\nattract_after_s = 5\n')
-    shutil.copy(source / "demo/installation.toml", stick)
+    (stick / "installation.toml").write_text(room_on(source, "HDMI-A"))
     (stick / "tracker.toml").write_text('[camera]\nkind = "v4l2"\nport = "usb-0000:00:14.0-2"\n')
     (stick / "calibrator.toml").write_text('turntable = "manual"\n[[watch.camera]]\nname = "left"\nkind = "v4l2"\nport = "usb-0000:00:14.0-3"\n')
     (stick / "operator.toml").write_text('pin = "40 17 73"\n')

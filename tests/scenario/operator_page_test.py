@@ -19,6 +19,9 @@ import urllib.request
 
 from farm.processes import free_port, wait_until
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
+from museum_room import room_on  # noqa: E402
+
 PIN = "401773"
 SKIPPED = 77
 DESKTOP, PHONE = (1280, 900), (390, 844)
@@ -119,7 +122,7 @@ class Museum:
         # The tour's port stands for a coordinator that answers; the other one is closed.
         (stick / "site.toml").write_text(f'[farm]\ncoordinators = ["{tour}", "[::1]:1"]\nmuseum = "hall-3"\n'
                                          '[hours]\nopen = ["Tue-Sun 10:00-18:00", "Thu 19:00-22:00"]\n')
-        shutil.copy(source / "demo/installation.toml", stick)
+        (stick / "installation.toml").write_text(room_on(source, "HDMI-A"))
         (stick / "operator.toml").write_text(f'pni = "{PIN}"\n')
         self.provision = [build / "bin/cyclorama-provision", "--state", self.state, "install", stick, "--programs", ""]
         assert subprocess.run(self.provision, capture_output=True, timeout=60).returncode == 1

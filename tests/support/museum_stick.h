@@ -35,8 +35,7 @@ class MuseumStick {
     std::filesystem::create_directories(root());
     write("site.toml", site());
     const char* const source = std::getenv("CYCLORAMA_SOURCE");
-    std::filesystem::copy_file(std::filesystem::path(source != nullptr ? source : ".") / "demo" / "installation.toml",
-                               stick() / "installation.toml");
+    write("installation.toml", room(std::filesystem::path(source != nullptr ? source : ".") / "demo"));
     write("tracker.toml", "[camera]\nkind = \"v4l2\"\nport = \"usb-0000:00:14.0-2\"\n");
     write("operator.toml", std::string("pin = \"") + kStickPin + "\"\n");
     RgbImage picture(8, 4);
@@ -55,6 +54,16 @@ class MuseumStick {
     return "[farm]\ncoordinators = [\"[2001:db8::1]:7401\"]\nmuseum = \"" + museum +
            "\"\nauthority = \"tls/authority.crt\"\ncertificate = \"tls/certificate.crt\"\nkey = \"tls/key.pem\"\n"
            "[display]\nattract_picture = \"evening.png\"\n[hours]\nopen = [\"Tue-Sun 10:00-18:00\"]\n";
+  }
+  /// Returns the demo's room with a connector for each projector.
+  static std::string room(const std::filesystem::path& demo) {
+    auto text = read_text_file(demo / "installation.toml", 1 << 20);
+    EXPECT_TRUE(text);
+    constexpr std::string_view kProjector = "[[projector]]\n";
+    int number = 0;
+    for (std::size_t at = 0; (at = text->find(kProjector, at)) != std::string::npos; at += kProjector.size())
+      text->insert(at + kProjector.size(), "connector = \"HDMI-A-" + std::to_string(++number) + "\"\n");
+    return *text;
   }
   void write(const std::string& name, const std::string& text) const {
     EXPECT_TRUE(write_file_atomically(stick() / name, std::string_view(text)));

@@ -33,6 +33,11 @@ Status AtomicRequest::commit_modeset(const Card& card) const {
   return commit(card, DRM_MODE_ATOMIC_ALLOW_MODESET, nullptr, "setting modes");
 }
 
+Status AtomicRequest::start_modeset(const Card& card, void* cookie) const {
+  return commit(card, DRM_MODE_ATOMIC_ALLOW_MODESET | DRM_MODE_ATOMIC_NONBLOCK | DRM_MODE_PAGE_FLIP_EVENT, cookie,
+                "setting modes");
+}
+
 Status AtomicRequest::commit_flip(const Card& card, void* cookie) const {
   return commit(card, DRM_MODE_ATOMIC_NONBLOCK | DRM_MODE_PAGE_FLIP_EVENT, cookie, "flipping");
 }

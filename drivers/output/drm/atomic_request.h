@@ -24,6 +24,9 @@ class AtomicRequest {
   [[nodiscard]] Status test_modeset(const Card& card) const;
   /// Commits a modeset and waits for its completion. Screens may go dark for a moment.
   [[nodiscard]] Status commit_modeset(const Card& card) const;
+  /// Begins a modeset without blocking; one page-flip event with `cookie` follows for each CRTC in the request. Errors:
+  /// EBUSY if an earlier commit on one of them is not complete.
+  [[nodiscard]] Status start_modeset(const Card& card, void* cookie) const;
   /// Commits without blocking; one page-flip event with `cookie` follows for each CRTC in the request.
   [[nodiscard]] Status commit_flip(const Card& card, void* cookie) const;
 

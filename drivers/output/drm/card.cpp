@@ -92,12 +92,13 @@ Status Card::read_planes() {
   return Done{};
 }
 
-Result<std::vector<Connector>> Card::probe() const {
+Result<std::vector<Connector>> Card::read_connectors(const std::function<bool(std::uint32_t)>& is_probed) const {
   const KmsResources resources(drmModeGetResources(fd()));
   if (resources == nullptr) return Error::from_errno(fmt::format("listing the connectors of '{}'", path_.string()));
   std::vector<Connector> connectors;
   for (int i = 0; i < resources->count_connectors; ++i) {
-    auto connector = probe_connector(fd(), resources->connectors[i]);
+    const std::uint32_t id = resources->connectors[i];
+    auto connector = read_connector(fd(), id, is_probed(id));
     if (connector) {
       connectors.push_back(*std::move(connector));
     } else if (connector.error().code() != ErrorCode::kNotFound || is_card_lost(connector.error())) {

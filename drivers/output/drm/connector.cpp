@@ -37,15 +37,15 @@ bool Connector::is_same_as(const Connector& other) const {
                     });
 }
 
-Result<Connector> probe_connector(int fd, std::uint32_t id) {
-  const KmsConnector probed(drmModeGetConnector(fd, id));
-  if (probed == nullptr) return Error::from_errno(fmt::format("probing connector {}", id));
+Result<Connector> read_connector(int fd, std::uint32_t id, bool is_probed) {
+  const KmsConnector found(is_probed ? drmModeGetConnector(fd, id) : drmModeGetConnectorCurrent(fd, id));
+  if (found == nullptr) return Error::from_errno(fmt::format("reading connector {}", id));
   Connector connector;
-  const char* const type = drmModeGetConnectorTypeName(probed->connector_type);
-  connector.name = fmt::format("{}-{}", type == nullptr ? "Unknown" : type, probed->connector_type_id);
-  connector.is_connected = probed->connection == DRM_MODE_CONNECTED;
-  connector.modes.assign(probed->modes, probed->modes + probed->count_modes);
-  connector.possible_crtcs = drmModeConnectorGetPossibleCrtcs(fd, probed.get());
+  const char* const type = drmModeGetConnectorTypeName(found->connector_type);
+  connector.name = fmt::format("{}-{}", type == nullptr ? "Unknown" : type, found->connector_type_id);
+  connector.is_connected = found->connection == DRM_MODE_CONNECTED;
+  connector.modes.assign(found->modes, found->modes + found->count_modes);
+  connector.possible_crtcs = drmModeConnectorGetPossibleCrtcs(fd, found.get());
   if (connector.is_connected && connector.possible_crtcs == 0)
     return Error::from_errno(fmt::format("reading the possible CRTCs of {}", connector.name));
   auto properties = Properties::read(fd, id, DRM_MODE_OBJECT_CONNECTOR);
@@ -54,7 +54,12 @@ Result<Connector> probe_connector(int fd, std::uint32_t id) {
   const Property* const link = connector.properties.find("link-status");
   connector.is_link_bad = link != nullptr && link->value == kLinkBad;
   if (connector.is_connected) connector.edid_bytes = blob_bytes(fd, connector.properties.find("EDID"));
-  if (auto edid = parse_edid(connector.edid_bytes)) connector.edid = *std::move(edid);
+  if (auto edid = parse_edid(connector.edid_bytes)) {
+    connector.edid = *std::move(edid);
+  } else if (connector.is_connected) {
+    connector.edid_fault =
+        connector.edid_bytes.empty() ? "no EDID: check the cable, or set 'edid'" : edid.error().message();
+  }
   return connector;
 }
 

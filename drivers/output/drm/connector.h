@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/output/drm/edid.h"
+#include "common/edid/edid.h"
 #include "drivers/output/drm/properties.h"
 
 namespace cyclorama::output {
@@ -19,6 +19,7 @@ struct Connector {
   std::vector<drmModeModeInfo> modes;
   std::vector<std::uint8_t> edid_bytes;
   std::optional<Edid> edid;  ///< Nothing if the EDID is missing or damaged.
+  std::string edid_fault;    ///< Why there is no `edid` although something is connected.
   Properties properties;
 
   [[nodiscard]] std::uint32_t id() const { return properties.object_id(); }
@@ -28,7 +29,8 @@ struct Connector {
   [[nodiscard]] bool is_same_as(const Connector& other) const;
 };
 
-/// Probes the connector, which takes some milliseconds. Errors: from errno; a connector may vanish (as with a dock).
-Result<Connector> probe_connector(int fd, std::uint32_t id);
+/// Reads the connector's state, after a probe if `is_probed`, which takes tens of milliseconds (DDC over the cable).
+/// Errors: from errno; a connector may vanish (as with a dock).
+Result<Connector> read_connector(int fd, std::uint32_t id, bool is_probed);
 
 }  // namespace cyclorama::output

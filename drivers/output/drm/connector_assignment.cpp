@@ -44,22 +44,37 @@ std::vector<std::optional<ConnectorId>> assign_connectors(std::span<const Connec
   const auto is_taken = [&](const ConnectorId& socket) {
     return std::find(placed.begin(), placed.end(), socket) != placed.end();
   };
+  const auto is_named = [&](const ConnectorId& socket) {
+    return std::any_of(preferences.begin(), preferences.end(),
+                       [&](const ConnectorPreference& w) { return fits(w, socket); });
+  };
   const auto first_free = [&](auto is_fit) -> std::optional<ConnectorId> {
     const auto found = std::find_if(seen.begin(), seen.end(),
                                     [&](const AvailableConnector& s) { return is_fit(s) && !is_taken(s.socket); });
     return found == seen.end() ? std::nullopt : std::optional(found->socket);
   };
   for (std::size_t i = 0; i < preferences.size(); ++i) {
+    if (preferences[i].serial.empty()) continue;
+    const auto has_it = [&](const AvailableConnector& s) {
+      return s.is_connected && s.serial == preferences[i].serial && !is_named(s.socket);
+    };
+    // Several with this serial cannot be told from each other; the head stays where it is, if that is one of them.
+    const auto stays =
+        std::find_if(seen.begin(), seen.end(), [&](const auto& s) { return has_it(s) && placed[i] == s.socket; });
+    const auto found = stays != seen.end() ? stays : std::find_if(seen.begin(), seen.end(), has_it);
+    if (found == seen.end()) continue;
+    for (std::optional<ConnectorId>& other : placed) {
+      if (other == found->socket) other.reset();
+    }
+    placed[i] = found->socket;
+  }
+  for (std::size_t i = 0; i < preferences.size(); ++i) {
     if (!placed[i] && !preferences[i].connector.empty())
       placed[i] = first_free([&](const AvailableConnector& s) { return fits(preferences[i], s.socket); });
   }
-  const auto is_requested = [&](const ConnectorId& socket) {
-    return std::any_of(preferences.begin(), preferences.end(),
-                       [&](const ConnectorPreference& w) { return fits(w, socket); });
-  };
   for (std::size_t i = 0; i < preferences.size(); ++i) {
-    if (!placed[i] && preferences[i].connector.empty())
-      placed[i] = first_free([&](const AvailableConnector& s) { return s.is_connected && !is_requested(s.socket); });
+    if (!placed[i] && preferences[i].connector.empty() && preferences[i].serial.empty())
+      placed[i] = first_free([&](const AvailableConnector& s) { return s.is_connected && !is_named(s.socket); });
   }
   return placed;
 }

@@ -4,11 +4,15 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "common/edid/edid.h"
 #include "drivers/output/drm/canvas.h"
+#include "drivers/output/drm/probe_runner.h"
 #include "drivers/output/output.h"
 
 namespace cyclorama::output {
@@ -17,6 +21,9 @@ struct DrmHead {
   HeadMode mode;          ///< Size of the picture that is drawn, before rotation.
   std::string connector;  ///< "HDMI-A-1", "1:HDMI-A-1" on the second card, or empty for any free connector.
   Rotation rotation = Rotation::kNone;
+  std::string serial{};              ///< Serial of the projector, which is found on any connector; empty: none.
+  std::optional<Edid> edid{};        ///< Replaces what the projector reports, with its timings.
+  bool is_always_connected = false;  ///< Its connector is lit even if nothing seems to be connected; needs `edid`.
 };
 
 struct DrmOptions {
@@ -28,9 +35,12 @@ struct DrmOptions {
   /// Flag that another thread may write and that must outlive the output. While it is false, all connectors are off
   /// (ACTIVE = 0). Null: always on.
   const std::atomic<bool>* is_awake = nullptr;
+  /// Makes what runs the probes of connectors; empty: a thread.
+  std::function<std::unique_ptr<ProbeRunner>()> make_probe_runner{};
 };
 
-/// Drives heads on the connectors of one or several graphics cards; all heads of a card flip in one atomic commit.
+/// Drives heads on the connectors of one or several graphics cards. Heads of a card with the same refresh rate flip in one
+/// atomic commit; the fastest head of all sets the pace, and slower ones get the newest picture at their own rate.
 ///
 /// A head without a projector is drawn nevertheless and shown as soon as a projector is connected; it is drawn at the
 /// size given in the installation and scaled to the projector's mode. Every failure is retried at the following

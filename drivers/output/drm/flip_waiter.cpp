@@ -9,65 +9,100 @@
 
 namespace cyclorama::output {
 
-void* FlipWaiter::expect(std::size_t crtcs) {
-  CHECK(current_ == nullptr && crtcs > 0);
-  current_ = &commits_[next_];
+void* FlipWaiter::expect(std::span<const std::uint32_t> crtc_ids, TimePoint deadline) {
+  CHECK(!crtc_ids.empty());
+  Commit& commit = commits_[next_];
   next_ = (next_ + 1) % commits_.size();
-  done_ = nullptr;
-  *current_ = {this, crtcs, {}, {}, 0};
-  return current_;
+  commit.waiter = this;
+  for (const std::uint32_t id : crtc_ids) {
+    auto found = std::find_if(crtcs_.begin(), crtcs_.end(), [&](const CrtcState& c) { return c.id == id; });
+    if (found == crtcs_.end()) found = crtcs_.insert(crtcs_.end(), CrtcState{id, nullptr, {}, {}});
+    CHECK(found->awaited == nullptr);
+    found->awaited = &commit;
+    found->deadline = deadline;
+  }
+  return &commit;
 }
 
-void FlipWaiter::cancel() { current_ = nullptr; }
+void FlipWaiter::cancel(void* cookie) {
+  for (CrtcState& crtc : crtcs_) {
+    if (crtc.awaited == cookie) crtc.awaited = nullptr;
+  }
+}
+
+void FlipWaiter::cancel_all() {
+  for (CrtcState& crtc : crtcs_) crtc.awaited = nullptr;
+}
+
+const FlipWaiter::CrtcState* FlipWaiter::find(std::uint32_t crtc_id) const {
+  const auto found = std::find_if(crtcs_.begin(), crtcs_.end(), [&](const CrtcState& c) { return c.id == crtc_id; });
+  return found == crtcs_.end() ? nullptr : &*found;
+}
+
+bool FlipWaiter::is_waiting_for(std::uint32_t crtc_id) const {
+  const CrtcState* const crtc = find(crtc_id);
+  return crtc != nullptr && crtc->awaited != nullptr;
+}
+
+bool FlipWaiter::is_waiting() const {
+  return std::any_of(crtcs_.begin(), crtcs_.end(), [](const CrtcState& c) { return c.awaited != nullptr; });
+}
+
+bool FlipWaiter::is_overdue() const {
+  const TimePoint now = clock_.now();
+  return std::any_of(crtcs_.begin(), crtcs_.end(),
+                     [&](const CrtcState& c) { return c.awaited != nullptr && c.deadline <= now; });
+}
+
+TimePoint FlipWaiter::next_deadline() const {
+  CHECK(is_waiting());
+  TimePoint earliest = TimePoint::max();
+  for (const CrtcState& crtc : crtcs_) {
+    if (crtc.awaited != nullptr) earliest = std::min(earliest, crtc.deadline);
+  }
+  return earliest;
+}
 
 void FlipWaiter::on_flip(int, unsigned sequence, unsigned seconds, unsigned microseconds, unsigned crtc_id,
                          void* cookie) {
-  Commit& commit = *static_cast<Commit*>(cookie);
-  if (commit.missing > 0) --commit.missing;
-  const bool has_time = commit.waiter->card_->has_monotonic_time();
-  const TimePoint at = has_time ? TimePoint(std::chrono::seconds(seconds) + std::chrono::microseconds(microseconds))
-                                : commit.waiter->clock_.now();
-  commit.flipped.at = std::max(commit.flipped.at, at);
-  if (commit.crtc_count < commit.crtcs.size()) commit.crtcs[commit.crtc_count++] = {crtc_id, at};
-  // The kernel's drm_crtc_send_vblank_event() sends sequence 0 if there is no vertical blank.
-  commit.flipped.has_vblank = sequence != 0;
+  const Commit& commit = *static_cast<const Commit*>(cookie);
+  FlipWaiter& waiter = *commit.waiter;
+  for (CrtcState& crtc : waiter.crtcs_) {
+    if (crtc.id != crtc_id || crtc.awaited != &commit) continue;
+    crtc.awaited = nullptr;
+    const bool has_time = waiter.card_->has_monotonic_time();
+    const TimePoint at = has_time ? TimePoint(std::chrono::seconds(seconds) + std::chrono::microseconds(microseconds))
+                                  : waiter.clock_.now();
+    // The kernel's drm_crtc_send_vblank_event() sends sequence 0 if there is no vertical blank.
+    crtc.flipped = Flipped{at, sequence != 0};
+  }
 }
 
-Result<Flipped> FlipWaiter::wait(const Card& card, std::chrono::milliseconds timeout) {
-  CHECK(current_ != nullptr);
+Status FlipWaiter::take_events(const Card& card, TimePoint until) {
   card_ = &card;
-  Commit& commit = *current_;
-  current_ = nullptr;
-  done_ = nullptr;
-  const TimePoint deadline = clock_.now() + timeout;
-  while (commit.missing > 0) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - clock_.now());
+  for (;;) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - clock_.now());
     pollfd entry{card.fd(), POLLIN, 0};
     const int ready = ::poll(&entry, 1, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
     if (ready < 0 && errno == EINTR) continue;
     if (ready < 0) return Error::from_errno("waiting for a page flip");
-    if (ready == 0) {
-      return Error(ErrorCode::kTimedOut,
-                   fmt::format("'{}' did not flip within {} ms", card.path().string(), timeout.count()));
-    }
+    if (ready == 0) return Done{};
     drmEventContext handlers{};
     handlers.version = 3;
     handlers.page_flip_handler2 = &FlipWaiter::on_flip;
-    if (drmHandleEvent(card.fd(), &handlers) != 0) {
-      if (errno == EINTR || errno == EAGAIN) continue;
+    if (drmHandleEvent(card.fd(), &handlers) == 0) return Done{};
+    if (errno != EINTR && errno != EAGAIN)
       return Error::from_errno(fmt::format("reading the events of '{}'", card.path().string()));
-    }
   }
-  done_ = &commit;
-  return commit.flipped;
 }
 
-std::optional<TimePoint> FlipWaiter::flipped_at(std::uint32_t crtc_id) const {
-  if (done_ == nullptr) return std::nullopt;
-  for (std::size_t i = 0; i < done_->crtc_count; ++i) {
-    if (done_->crtcs[i].id == crtc_id) return done_->crtcs[i].at;
-  }
-  return std::nullopt;
+std::optional<Flipped> FlipWaiter::flipped(std::uint32_t crtc_id) const {
+  const CrtcState* const crtc = find(crtc_id);
+  return crtc == nullptr ? std::nullopt : crtc->flipped;
+}
+
+void FlipWaiter::clear() {
+  for (CrtcState& crtc : crtcs_) crtc.flipped.reset();
 }
 
 }  // namespace cyclorama::output

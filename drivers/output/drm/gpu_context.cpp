@@ -49,8 +49,10 @@ Status GpuContext::open() {
 Status GpuContext::make_context() {
   const char* const extensions = eglQueryString(display_, EGL_EXTENSIONS);
   if (extensions == nullptr) return drawing_failed("reading EGL's extensions");
-  const bool can_tell_resets =
-      std::string_view(extensions).find("EGL_EXT_create_context_robustness") != std::string_view::npos;
+  const auto has = [&](std::string_view name) { return std::string_view(extensions).find(name) != std::string::npos; };
+  const bool can_tell_resets = has("EGL_EXT_create_context_robustness");
+  if (has("EGL_ANDROID_native_fence_sync"))
+    dup_native_fence_ = reinterpret_cast<DupNativeFence>(eglGetProcAddress("eglDupNativeFenceFDANDROID"));
   constexpr std::array<EGLint, 3> kVersion3{EGL_CONTEXT_MAJOR_VERSION, 3, EGL_NONE};
   constexpr std::array<EGLint, 5> kVersion3ThatTells{EGL_CONTEXT_MAJOR_VERSION, 3,
                                                      EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_EXT,
@@ -73,6 +75,17 @@ GpuContext::~GpuContext() {
 }
 
 bool GpuContext::is_lost() const { return reset_status_ != nullptr && reset_status_() != GL_NO_ERROR; }
+
+std::optional<GpuFence> GpuContext::fence() const {
+  if (dup_native_fence_ == nullptr) return std::nullopt;
+  const EGLSync sync = eglCreateSync(display_, EGL_SYNC_NATIVE_FENCE_ANDROID, nullptr);
+  if (sync == EGL_NO_SYNC) return std::nullopt;
+  gl_.Flush();  // The fence has a file only once the commands before it were handed over.
+  UniqueFd file(dup_native_fence_(display_, sync));
+  eglDestroySync(display_, sync);
+  if (!file.is_open()) return std::nullopt;
+  return GpuFence(std::move(file));
+}
 
 Result<GbmBuffer> GpuContext::make_buffer(int width_px, int height_px, std::uint32_t format, bool is_shared) const {
   const std::uint32_t use =

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "drivers/output/drm/card.h"
+#include "drivers/output/drm/gpu_fence.h"
 #include "drivers/output/drm/kms.h"
 #include "drivers/output/gl.h"
 
@@ -50,6 +51,8 @@ class GpuContext {
   [[nodiscard]] const Card& card() const { return card_; }
   /// True once the GPU has been reset, which destroys the contents of the context.
   [[nodiscard]] bool is_lost() const;
+  /// Returns a fence behind all commands so far, and flushes them; nothing if the driver has no such fences, or fails.
+  [[nodiscard]] std::optional<GpuFence> fence() const;
 
   /// Makes a buffer for rendering and scan-out; if `is_shared`, another card can scan it out. Errors: kUnavailable if
   /// there is no memory or no such format.
@@ -65,12 +68,14 @@ class GpuContext {
 
   using TargetRenderbuffer = void (*)(GLenum target, EGLImage image);
   using ResetStatus = GLenum (*)();
+  using DupNativeFence = EGLint (*)(EGLDisplay display, EGLSync sync);
 
   const Card& card_;
   gbm_device* gbm_ = nullptr;
   EGLDisplay display_ = EGL_NO_DISPLAY;
   EGLContext context_ = EGL_NO_CONTEXT;
   TargetRenderbuffer target_renderbuffer_ = nullptr;
+  DupNativeFence dup_native_fence_ = nullptr;  // Null if the driver has no EGL_ANDROID_native_fence_sync.
   ResetStatus reset_status_ = nullptr;  // Null if the driver does not support reset notification.
   Gl gl_;
 };

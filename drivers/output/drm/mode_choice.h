@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "common/edid/video_timing.h"
+
 namespace cyclorama::output {
 
 /// Mode that the installation requests; width and height are those of the signal, after any rotation.
@@ -24,12 +26,16 @@ struct ModePreference {
 [[nodiscard]] std::string text_of(const drmModeModeInfo& mode);
 [[nodiscard]] bool is_same_mode(const drmModeModeInfo& a, const drmModeModeInfo& b);
 
+/// Converts timings of an EDID to modes.
+[[nodiscard]] std::vector<drmModeModeInfo> modes_of(std::span<const VideoTiming> timings);
+
 /// Returns the modes to try, best first:
 ///   1. progressive modes of the requested size, nearest to the requested rate first;
 ///   2. the projector's preferred mode (its panel's native size, to which the picture is scaled);
-///   3. other progressive modes, largest first;
-///   4. 1024x768 at 60 Hz, which every projector supports, in case the EDID could not be read.
-/// Excludes interlaced, doubled, 3D and invalid modes. Never empty; no duplicates; at most 8.
+///   3. other progressive modes, largest first, one for each size;
+///   4. interlaced modes, for projectors that have nothing else that the card can feed;
+///   5. 1024x768 at 60 Hz, which every projector supports, in case the EDID could not be read.
+/// Excludes doubled, 3D and invalid modes. Never empty; no duplicates; at most 32.
 [[nodiscard]] std::vector<drmModeModeInfo> modes_to_try(std::span<const drmModeModeInfo> offered,
                                                         const ModePreference& preferred);
 

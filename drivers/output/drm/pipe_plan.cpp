@@ -34,6 +34,12 @@ class Matching {
   static constexpr std::size_t kNobody = SIZE_MAX;
 
   bool augment(std::size_t connector) {
+    // A free one first, since a head that changes its CRTC goes dark for a moment.
+    for (std::size_t crtc = 0; crtc < kCrtcs; ++crtc) {
+      if (!can_take(connector, crtc)) continue;
+      owner_[crtc] = connector;
+      return true;
+    }
     for (std::size_t crtc = 0; crtc < kCrtcs; ++crtc) {
       if (!can_try(connector, crtc)) continue;
       seen_ |= 1U << crtc;

@@ -36,6 +36,7 @@ class Show {
       options_.heads.push_back(
           {{fmt::format("head {}", i), 64, 36}, i < 3 ? fmt::format("0:HDMI-A-{}", i + 1) : "1:HDMI-A-1"});
     options_.flip_timeout = std::chrono::milliseconds(3);
+    options_.make_probe_runner = [this] { return machine_.probe_runner(); };
   }
 
   [[nodiscard]] FakeMachine& machine() { return machine_; }

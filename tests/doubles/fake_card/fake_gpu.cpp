@@ -66,6 +66,22 @@ GLenum reset_status() {
   return machine().is_gpu_reset ? kGuiltyContextReset : GLenum{GL_NO_ERROR};
 }
 
+/// Replaces glFinish(), which waits for the simulated GPU too.
+void finish() {
+  __real_eglGetProcAddress("glFinish")();
+  if (fails("glFinish")) return;
+  machine().flush_gpu();
+  machine().spend(machine().rendered_at - machine().clock().now());
+}
+
+/// Replaces eglDupNativeFenceFDANDROID().
+EGLint make_fence_file(EGLDisplay, EGLSync) {
+  if (fails("eglDupNativeFenceFDANDROID")) return -1;
+  const int fd = ::eventfd(0, EFD_CLOEXEC);
+  machine().fences[fd] = machine().rendered_at;
+  return fd;
+}
+
 template <typename Object>
 Object* made(const char* call) {
   if (fails(call)) return nullptr;
@@ -159,8 +175,9 @@ EGLBoolean __wrap_eglBindAPI(EGLenum api) {
 }
 const char* __wrap_eglQueryString(EGLDisplay display, EGLint name) {
   if (fails("eglQueryString")) return nullptr;
-  return name == EGL_EXTENSIONS ? "EGL_KHR_image_base EGL_EXT_create_context_robustness"
-                                : __real_eglQueryString(display, name);
+  if (name != EGL_EXTENSIONS) return __real_eglQueryString(display, name);
+  return machine().has_fences() ? "EGL_KHR_image_base EGL_EXT_create_context_robustness EGL_ANDROID_native_fence_sync"
+                                : "EGL_KHR_image_base EGL_EXT_create_context_robustness";
 }
 EGLContext __wrap_eglCreateContext(EGLDisplay display, EGLConfig config, EGLContext share, const EGLint*) {
   if (fails("eglCreateContext")) return EGL_NO_CONTEXT;
@@ -184,8 +201,17 @@ cyclorama::output::Gl::Procedure __wrap_eglGetProcAddress(const char* name) {
   if (wanted == "glEGLImageTargetRenderbufferStorageOES")
     return reinterpret_cast<cyclorama::output::Gl::Procedure>(&give_storage);
   if (wanted == "glGetGraphicsResetStatusEXT") return reinterpret_cast<cyclorama::output::Gl::Procedure>(&reset_status);
+  if (wanted == "glFinish") return &finish;
+  if (wanted == "eglDupNativeFenceFDANDROID")
+    return reinterpret_cast<cyclorama::output::Gl::Procedure>(&make_fence_file);
   return __real_eglGetProcAddress(name);
 }
+EGLSync __wrap_eglCreateSync(EGLDisplay, EGLenum, const EGLAttrib*) {
+  if (fails("eglCreateSync")) return EGL_NO_SYNC;
+  machine().flush_gpu();
+  return &machine();
+}
+EGLBoolean __wrap_eglDestroySync(EGLDisplay, EGLSync) { return EGL_TRUE; }
 EGLImage __wrap_eglCreateImage(EGLDisplay, EGLContext, EGLenum, EGLClientBuffer buffer, const EGLAttrib*) {
   if (fails("eglCreateImage")) return EGL_NO_IMAGE;
   ++machine().images;

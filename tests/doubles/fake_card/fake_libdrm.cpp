@@ -2,10 +2,13 @@
 // Calls of libdrm, and of the files that it uses, implemented by the FakeMachine.
 #include <drm_fourcc.h>
 #include <fcntl.h>
+#include <linux/sync_file.h>
+#include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 #include <xf86drm.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdarg>
@@ -74,7 +77,10 @@ void free_as(Base* pointer) {
 std::vector<std::string> names_of(const FakeMachine::CardState& card, std::uint32_t object) {
   if (object < FakeMachine::kFirstConnector) return {"ACTIVE", "MODE_ID"};
   if (object >= FakeMachine::kFirstPrimary) {
-    return {"type", "FB_ID", "CRTC_ID", "SRC_X", "SRC_Y", "SRC_W", "SRC_H", "CRTC_X", "CRTC_Y", "CRTC_W", "CRTC_H"};
+    std::vector<std::string> names{"type",  "FB_ID",  "CRTC_ID", "SRC_X",  "SRC_Y", "SRC_W",
+                                   "SRC_H", "CRTC_X", "CRTC_Y",  "CRTC_W", "CRTC_H"};
+    if (card.card.has_fences) names.push_back("IN_FENCE_FD");
+    return names;
   }
   std::vector<std::string> names{"CRTC_ID", "EDID", "link-status"};
   if (card.card.connectors.at(object - FakeMachine::kFirstConnector).max_bpc != 0) names.push_back("max bpc");
@@ -91,12 +97,26 @@ std::uint64_t value_of(const FakeMachine::CardState& card, std::uint32_t object,
   return found == card.state.end() ? 0 : found->second;
 }
 
+ConnectorInfo* connector_info(std::uint32_t id, const FakeConnector& connector, bool is_connected) {
+  auto* const made = new ConnectorInfo;
+  made->connector_id = id;
+  made->connector_type = connector.type;
+  made->connector_type_id = connector.number;
+  made->connection = is_connected ? DRM_MODE_CONNECTED : DRM_MODE_DISCONNECTED;
+  if (is_connected) made->listed = connector.modes;
+  made->count_modes = static_cast<int>(made->listed.size());
+  made->modes = made->listed.data();
+  return made;
+}
+
 }  // namespace
 
 extern "C" {
 
 int __real_open(const char* path, int flags, ...);
 int __real_close(int fd);
+int __real_ioctl(int fd, unsigned long request, ...);
+int __real_poll(pollfd* entries, nfds_t count, int timeout);
 
 int __wrap_open(const char* path, int flags, ...) {
   FakeMachine* const fake = FakeMachine::the_or_null();
@@ -118,8 +138,46 @@ int __wrap_close(int fd) {
   if (FakeMachine* const fake = FakeMachine::the_or_null()) {
     fake->closed(fd);
     fake->shared.erase(fd);
+    fake->fences.erase(fd);
   }
   return __real_close(fd);
+}
+
+/// Lets simulated time pass until the next event of these cards, or until the timeout.
+int __wrap_poll(pollfd* entries, nfds_t count, int timeout) {
+  FakeMachine* const fake = FakeMachine::the_or_null();
+  const auto is_card = [&](const pollfd& entry) { return fake->card_of(entry.fd) != nullptr; };
+  if (fake == nullptr || std::none_of(entries, entries + count, is_card)) return __real_poll(entries, count, timeout);
+  cyclorama::TimePoint until = fake->clock().now() + std::chrono::milliseconds(timeout);
+  for (const pollfd* entry = entries; entry != entries + count; ++entry) {
+    for (const FakeMachine::FlipEvent& event : fake->card_of(entry->fd)->events) until = std::min(until, event.due);
+  }
+  fake->clock().wait_until(until);
+  int ready = 0;
+  for (pollfd* entry = entries; entry != entries + count; ++entry) {
+    const auto& events = fake->card_of(entry->fd)->events;
+    const bool is_due = std::any_of(events.begin(), events.end(),
+                                    [&](const FakeMachine::FlipEvent& e) { return e.due <= fake->clock().now(); });
+    entry->revents = static_cast<short>(is_due ? POLLIN : 0);
+    ready += is_due ? 1 : 0;
+  }
+  return ready;
+}
+
+int __wrap_ioctl(int fd, unsigned long request, ...) {
+  va_list arguments;
+  va_start(arguments, request);
+  void* const argument = va_arg(arguments, void*);
+  va_end(arguments);
+  FakeMachine* const fake = FakeMachine::the_or_null();
+  if (fake == nullptr || fake->fences.count(fd) == 0) return __real_ioctl(fd, request, argument);
+  if (request != SYNC_IOC_FILE_INFO || fails("ioctl")) return -1;
+  const auto& file = *static_cast<const sync_file_info*>(argument);
+  auto& fence = *reinterpret_cast<sync_fence_info*>(static_cast<std::uintptr_t>(file.sync_fence_info));
+  const cyclorama::TimePoint at = fake->fences.at(fd);
+  fence.status = at <= fake->clock().now() ? 1 : 0;
+  fence.timestamp_ns = static_cast<std::uint64_t>(cyclorama::to_nanoseconds(at));
+  return 0;
 }
 
 int __wrap_drmGetDevices2(std::uint32_t, drmDevicePtr devices[], int max) {
@@ -180,16 +238,18 @@ void __wrap_drmModeFreeResources(drmModeResPtr pointer) { free_as<Resources>(poi
 drmModeConnectorPtr __wrap_drmModeGetConnector(int fd, std::uint32_t id) {
   FakeMachine::CardState* const card = card_or_errno(fd);
   if (card == nullptr || fails("drmModeGetConnector")) return nullptr;
+  machine().lock_connectors();
+  FakeConnector& connector = card->card.connectors.at(id - FakeMachine::kFirstConnector);
+  machine().spend(connector.probe_time);
+  connector.known_connected = connector.is_connected && connector.has_hot_plug;
+  return connector_info(id, connector, *connector.known_connected);
+}
+drmModeConnectorPtr __wrap_drmModeGetConnectorCurrent(int fd, std::uint32_t id) {
+  FakeMachine::CardState* const card = card_or_errno(fd);
+  if (card == nullptr || fails("drmModeGetConnectorCurrent")) return nullptr;
+  machine().lock_connectors();
   const FakeConnector& connector = card->card.connectors.at(id - FakeMachine::kFirstConnector);
-  auto* const made = new ConnectorInfo;
-  made->connector_id = id;
-  made->connector_type = connector.type;
-  made->connector_type_id = connector.number;
-  made->connection = connector.is_connected ? DRM_MODE_CONNECTED : DRM_MODE_DISCONNECTED;
-  if (connector.is_connected) made->listed = connector.modes;
-  made->count_modes = static_cast<int>(made->listed.size());
-  made->modes = made->listed.data();
-  return made;
+  return connector_info(id, connector, connector.known_connected.value_or(false));
 }
 void __wrap_drmModeFreeConnector(drmModeConnectorPtr pointer) { free_as<ConnectorInfo>(pointer); }
 std::uint32_t __wrap_drmModeConnectorGetPossibleCrtcs(int fd, const drmModeConnector* connector) {
@@ -230,6 +290,7 @@ void __wrap_drmModeFreePlane(drmModePlanePtr pointer) { free_as<PlaneInfo>(point
 drmModeObjectPropertiesPtr __wrap_drmModeObjectGetProperties(int fd, std::uint32_t id, std::uint32_t) {
   FakeMachine::CardState* const card = card_or_errno(fd);
   if (card == nullptr || fails("drmModeObjectGetProperties")) return nullptr;
+  machine().lock_connectors();
   auto* const made = new ObjectProperties;
   for (const std::string& name : names_of(*card, id)) {
     made->ids.push_back(FakeMachine::property_id(name));
@@ -297,6 +358,7 @@ int __wrap_drmModeAtomicCommit(int fd, const drmModeAtomicReqPtr request, std::u
                            : (flags & DRM_MODE_ATOMIC_ALLOW_MODESET) != 0 ? "drmModeAtomicCommit (modeset)"
                                                                           : "drmModeAtomicCommit (flip)";
   if (const int error = machine().meet(call); error != 0) return -error;
+  if ((flags & DRM_MODE_ATOMIC_ALLOW_MODESET) != 0) machine().lock_connectors();
   FakeMachine::CardState* const card = machine().card_of(fd);
   return card == nullptr ? -EBADF : -machine().commit(card, request->changes, flags, cookie, fd);
 }
@@ -351,22 +413,17 @@ int __wrap_drmCloseBufferHandle(int fd, std::uint32_t handle) {
 }
 
 int __wrap_drmHandleEvent(int fd, drmEventContextPtr handlers) {
-  std::uint64_t count = 0;
-  [[maybe_unused]] const auto n = ::read(fd, &count, sizeof count);
   if (fails("drmHandleEvent")) return -1;
   FakeMachine::CardState* const card = card_or_errno(fd);
   if (card == nullptr) return -1;
-  // All connectors refresh at the same time, 60 times per second.
-  constexpr std::int64_t kPeriod_ns = 16'666'667;
-  if (card->card.has_raster) {
-    const std::int64_t now = cyclorama::to_nanoseconds(machine().clock().now());
-    machine().clock().wait_until(cyclorama::from_nanoseconds((now / kPeriod_ns + 1) * kPeriod_ns));
-    ++machine().sequence;
-  }
-  const auto us = cyclorama::to_nanoseconds(machine().clock().now()) / 1000;
+  const cyclorama::TimePoint now = machine().clock().now();
   for (const FakeMachine::FlipEvent& event : std::exchange(card->events, {})) {
-    card->flipping.erase(event.crtc);
-    handlers->page_flip_handler2(fd, card->card.has_raster ? machine().sequence : 0,
+    if (event.due > now) {
+      card->events.push_back(event);
+      continue;
+    }
+    const auto us = cyclorama::to_nanoseconds(event.due) / 1000;
+    handlers->page_flip_handler2(fd, card->card.has_raster ? ++machine().sequence : 0,
                                  static_cast<unsigned>(us / 1'000'000), static_cast<unsigned>(us % 1'000'000),
                                  event.crtc, event.cookie);
   }

@@ -2,8 +2,6 @@
 #include "tests/doubles/fake_card/fake_machine.h"
 
 #include <drm_fourcc.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -18,9 +16,9 @@ namespace {
 FakeMachine* the_machine = nullptr;
 
 const std::vector<std::string>& property_names() {
-  static const std::vector<std::string> names{"ACTIVE", "MODE_ID", "CRTC_ID", "FB_ID",      "SRC_X",  "SRC_Y",
-                                              "SRC_W",  "SRC_H",   "CRTC_X",  "CRTC_Y",     "CRTC_W", "CRTC_H",
-                                              "type",   "EDID",    "max bpc", "link-status"};
+  static const std::vector<std::string> names{"ACTIVE", "MODE_ID", "CRTC_ID", "FB_ID",       "SRC_X",      "SRC_Y",
+                                              "SRC_W",  "SRC_H",   "CRTC_X",  "CRTC_Y",      "CRTC_W",     "CRTC_H",
+                                              "type",   "EDID",    "max bpc", "link-status", "IN_FENCE_FD"};
   return names;
 }
 
@@ -50,18 +48,19 @@ drmModeModeInfo fake_mode(int width_px, int height_px, double refresh_hz, bool i
   mode.hdisplay = u16(width_px);
   mode.hsync_start = u16(width_px + 8);
   mode.hsync_end = u16(width_px + 16);
-  mode.htotal = u16(width_px + 40);
+  // Wide enough that a clock in whole kHz gives small pictures the exact rate too.
+  mode.htotal = u16(8 * (width_px + 40));
   mode.vdisplay = u16(height_px);
   mode.vsync_start = u16(height_px + 2);
   mode.vsync_end = u16(height_px + 4);
-  mode.vtotal = u16(height_px + 14);
+  mode.vtotal = u16(8 * (height_px + 14));
   mode.clock = static_cast<std::uint32_t>(refresh_hz * mode.htotal * mode.vtotal / 1000.0 + 0.5);
   mode.vrefresh = static_cast<std::uint32_t>(refresh_hz + 0.5);
   mode.type = DRM_MODE_TYPE_DRIVER | (is_preferred ? DRM_MODE_TYPE_PREFERRED : 0U);
   return mode;
 }
 
-std::vector<std::uint8_t> fake_edid(const std::string& model, int colour_bits) {
+std::vector<std::uint8_t> fake_edid(const std::string& model, int colour_bits, const std::string& serial) {
   std::vector<std::uint8_t> edid(128, 0);
   for (std::size_t i = 1; i < 7; ++i) edid[i] = 0xff;
   edid[8] = 0x0c;  // The letters "CYC" are 3, 25 and 3, with five bits each.
@@ -73,10 +72,13 @@ std::vector<std::uint8_t> fake_edid(const std::string& model, int colour_bits) {
   edid[18] = 1;
   edid[19] = 4;
   edid[20] = static_cast<std::uint8_t>(0x80 | (colour_bits == 0 ? 0 : (colour_bits / 2 - 2) << 4));
-  edid[54 + 3] = 0xfc;
-  for (std::size_t i = 0; i < 13; ++i) {
-    edid[54 + 5 + i] = static_cast<std::uint8_t>(i < model.size() ? model[i] : i == model.size() ? '\n' : ' ');
-  }
+  const auto add_text = [&](std::size_t at, std::uint8_t kind, const std::string& text) {
+    edid[at + 3] = kind;
+    for (std::size_t i = 0; i < 13; ++i)
+      edid[at + 5 + i] = static_cast<std::uint8_t>(i < text.size() ? text[i] : i == text.size() ? '\n' : ' ');
+  };
+  add_text(54, 0xfc, model);
+  if (!serial.empty()) add_text(72, 0xff, serial);
   const unsigned sum = std::accumulate(edid.begin(), edid.end(), 0U);
   edid[127] = static_cast<std::uint8_t>(256 - sum % 256);
   return edid;
@@ -124,6 +126,55 @@ int FakeMachine::meet(const char* call) {
   const int error = fault_->error;
   fault_.reset();
   return error;
+}
+
+namespace {
+
+/// Jobs whose end comes in simulated time.
+class SimulatedProbeRunner final : public output::ProbeRunner {
+ public:
+  explicit SimulatedProbeRunner(FakeMachine* machine) : machine_(*machine) {}
+  void start(std::function<void()> job) override { done_at_ = machine_.run_beside(job); }
+  [[nodiscard]] bool is_idle() override { return machine_.clock().now() >= done_at_; }
+
+ private:
+  FakeMachine& machine_;
+  TimePoint done_at_{};
+};
+
+}  // namespace
+
+std::unique_ptr<output::ProbeRunner> FakeMachine::probe_runner() {
+  return std::make_unique<SimulatedProbeRunner>(this);
+}
+
+void FakeMachine::spend(Duration time) {
+  if (beside_) {
+    *beside_ += time;
+  } else {
+    clock_->advance(time);
+  }
+}
+
+TimePoint FakeMachine::run_beside(const std::function<void()>& job) {
+  beside_ = Duration::zero();
+  job();
+  beside_until_ = clock_->now() + *beside_;
+  beside_.reset();
+  return beside_until_;
+}
+
+void FakeMachine::lock_connectors() {
+  if (!beside_) clock_->wait_until(beside_until_);
+}
+
+bool FakeMachine::has_fences() const {
+  return std::all_of(cards_.begin(), cards_.end(), [](const auto& card) { return card->card.has_fences; });
+}
+
+void FakeMachine::forget_commits(std::size_t card) {
+  cards_.at(card)->events.clear();
+  cards_.at(card)->flipping.clear();
 }
 
 void FakeMachine::set_master_taken(std::size_t card, bool is_taken) {
@@ -201,6 +252,15 @@ bool FakeMachine::is_deep(std::size_t card, std::size_t number) const {
 int FakeMachine::commits(std::size_t card) const { return cards_.at(card)->commits; }
 int FakeMachine::modesets(std::size_t card) const { return cards_.at(card)->modesets; }
 
+const std::vector<TimePoint>& FakeMachine::shown_at(std::size_t card, std::size_t number) const {
+  static const std::vector<TimePoint> kNone;
+  const CardState& state = *cards_.at(card);
+  const auto crtc = static_cast<std::uint32_t>(
+      value_of(state.state, static_cast<std::uint32_t>(kFirstConnector + number), "CRTC_ID"));
+  const auto found = state.shown_at.find(crtc);
+  return found == state.shown_at.end() ? kNone : found->second;
+}
+
 std::size_t FakeMachine::held() const {
   return buffers.size() + gbm_devices + contexts + images + udev_objects + fds_.size() + shared.size();
 }
@@ -234,19 +294,59 @@ int FakeMachine::commit(CardState* card, const State& changes, std::uint32_t fla
   if ((flags & DRM_MODE_ATOMIC_TEST_ONLY) != 0) return 0;
   const bool does_not_wait = (flags & DRM_MODE_ATOMIC_NONBLOCK) != 0;
   for (const std::uint32_t crtc : touched) {
-    if (does_not_wait && card->flipping.count(crtc) != 0) return EBUSY;
+    const auto before = card->flipping.find(crtc);
+    if (before == card->flipping.end() || before->second <= clock_->now()) continue;
+    if (does_not_wait) return EBUSY;
+    clock_->wait_until(before->second);
   }
-  if (!does_not_wait) card->flipping.clear();
+  const Duration takes = modeset_time(*card, wanted);
+  if (!does_not_wait) clock_->advance(takes);
+  const TimePoint ready = std::max(clock_->now(), fence_of(changes)) + (does_not_wait ? takes : Duration::zero());
   card->state = wanted;
   ++card->commits;
   if (allows_modeset) ++card->modesets;
-  if ((flags & DRM_MODE_PAGE_FLIP_EVENT) != 0 && meet("page flip event") == 0) {
-    for (const std::uint32_t crtc : touched) card->events.push_back({crtc, cookie});
-    card->flipping.insert(touched.begin(), touched.end());
-    const std::uint64_t one = 1;
-    CHECK(::write(fd, &one, sizeof one) == sizeof one);
+  const bool has_event = (flags & DRM_MODE_PAGE_FLIP_EVENT) != 0 && meet("page flip event") == 0;
+  for (const std::uint32_t crtc : touched) {
+    const TimePoint due = next_vertical_blank(*card, crtc, ready);
+    card->shown_at[crtc].push_back(due);
+    if (!has_event) continue;
+    card->events.push_back({crtc, cookie, due});
+    card->flipping[crtc] = due;
   }
   return 0;
+}
+
+TimePoint FakeMachine::fence_of(const State& changes) const {
+  TimePoint latest{};
+  for (const auto& [key, value] : changes) {
+    if (property_name(key.second) != "IN_FENCE_FD") continue;
+    const auto fence = fences.find(static_cast<int>(value));
+    CHECK(fence != fences.end());
+    latest = std::max(latest, fence->second);
+  }
+  return latest;
+}
+
+/// The longest of the connectors that this commit lights or gives another mode.
+Duration FakeMachine::modeset_time(const CardState& card, const State& wanted) const {
+  Duration longest{};
+  for (std::uint32_t i = 0; i < card.card.connectors.size(); ++i) {
+    const std::uint32_t connector = kFirstConnector + i;
+    const auto crtc = static_cast<std::uint32_t>(value_of(wanted, connector, "CRTC_ID"));
+    if (crtc == 0 || value_of(wanted, crtc, "ACTIVE") == 0) continue;
+    const bool is_kept =
+        value_of(card.state, connector, "CRTC_ID") == crtc && value_of(card.state, crtc, "ACTIVE") != 0 &&
+        is_same(mode_in(card, value_of(card.state, crtc, "MODE_ID")), mode_in(card, value_of(wanted, crtc, "MODE_ID")));
+    if (!is_kept) longest = std::max(longest, card.card.connectors[i].modeset_time);
+  }
+  return longest;
+}
+
+TimePoint FakeMachine::next_vertical_blank(const CardState& card, std::uint32_t crtc, TimePoint after) const {
+  const auto mode = mode_in(card, value_of(card.state, crtc, "MODE_ID"));
+  if (!card.card.has_raster || !mode || mode->vrefresh == 0) return after;
+  const std::int64_t period_ns = (1'000'000'000 + mode->vrefresh / 2) / mode->vrefresh;
+  return from_nanoseconds((to_nanoseconds(after) / period_ns + 1) * period_ns);
 }
 
 /// Makes the checks of the kernel's drm_atomic_check_only() for the errors that our driver could make.

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "common/image/image.h"
+#include "drivers/output/drm/probe_runner.h"
 #include "tests/doubles/fake_clock.h"
 
 struct gbm_bo {
@@ -32,10 +33,10 @@ struct gbm_bo {
 
 namespace cyclorama {
 
-/// Returns a progressive mode with plausible blanking.
+/// Returns a progressive mode with much blanking.
 drmModeModeInfo fake_mode(int width_px, int height_px, double refresh_hz, bool is_preferred = false);
-/// Returns a complete EDID 1.4 base block; `colour_bits` is 0, 6, 8, ... 16.
-std::vector<std::uint8_t> fake_edid(const std::string& model, int colour_bits);
+/// Returns a complete EDID 1.4 base block without timings; `colour_bits` is 0, 6, 8, ... 16.
+std::vector<std::uint8_t> fake_edid(const std::string& model, int colour_bits, const std::string& serial = {});
 
 struct FakeConnector {
   std::uint32_t type = DRM_MODE_CONNECTOR_HDMIA;
@@ -45,6 +46,10 @@ struct FakeConnector {
   std::vector<std::uint8_t> edid;
   std::uint32_t possible_crtcs = 0xff;
   std::uint64_t max_bpc = 0;  ///< 0 if the driver does not have this property.
+  bool has_hot_plug = true;   ///< False: the kernel takes it for disconnected, whatever is plugged in.
+  std::optional<bool> known_connected{};  ///< State found by the kernel's last probe.
+  Duration probe_time{};                  ///< Duration of a real probe: DDC over the cable.
+  Duration modeset_time{};                ///< Duration of a commit that lights it or changes its mode.
 };
 
 struct FakeCard {
@@ -55,6 +60,7 @@ struct FakeCard {
   std::uint64_t max_clock_khz = 0;
   bool can_be_deep = true;  ///< True if planes support 10 bits.
   bool has_raster = true;   ///< False for virtual cards, on which flips happen immediately.
+  bool has_fences = false;  ///< True if commits can wait for the GPU (IN_FENCE_FD), and EGL makes such fences.
 };
 /// Returns a card with three connected projectors of 64x36 pixels at 60 Hz: HDMI-A-1 to -3, 8 bits.
 FakeCard three_projectors();
@@ -75,6 +81,8 @@ class FakeMachine {
   void fail(const std::string& call, int error, int passes = 0);
   /// Returns true if the fault that was set has occurred.
   [[nodiscard]] bool was_fault_met() const { return !fault_; }
+  /// Completes every commit that is under way, without its events.
+  void forget_commits(std::size_t card);
   /// Simulates another program that takes or releases the card.
   void set_master_taken(std::size_t card, bool is_taken);
   /// Loses all contents of the GPU, as after a hang.
@@ -88,6 +96,13 @@ class FakeMachine {
   /// Return the number of commits except tests, and how many of these may have darkened a screen.
   [[nodiscard]] int commits(std::size_t card) const;
   [[nodiscard]] int modesets(std::size_t card) const;
+  /// Returns the times at which a connector began to show a new picture.
+  [[nodiscard]] const std::vector<TimePoint>& shown_at(std::size_t card, std::size_t number) const;
+  /// Returns what runs probes beside the calling thread, in simulated time: while a job takes its time, the calling
+  /// thread goes on, unless it makes a call that needs the kernel's lock on the connectors.
+  [[nodiscard]] std::unique_ptr<output::ProbeRunner> probe_runner();
+  /// Lets the GPU take this long from each glFlush() or glFinish() on.
+  void set_render_time(Duration time) { render_time_ = time; }
   /// Returns the number of calls of each wrapped function.
   [[nodiscard]] const std::map<std::string, int>& calls() const { return calls_; }
   /// Returns the number of buffers, images, contexts and files that are still held.
@@ -105,6 +120,7 @@ class FakeMachine {
   struct FlipEvent {
     std::uint32_t crtc = 0;
     void* cookie = nullptr;
+    TimePoint due{};
   };
   struct CardState {
     FakeCard card;
@@ -113,7 +129,8 @@ class FakeMachine {
     std::map<std::uint32_t, Framebuffer> framebuffers;
     std::map<std::uint32_t, const gbm_bo*> imported;
     std::vector<FlipEvent> events;
-    std::set<std::uint32_t> flipping;
+    std::map<std::uint32_t, TimePoint> flipping;  // CRTCs with a commit that is not complete, and its end.
+    std::map<std::uint32_t, std::vector<TimePoint>> shown_at;
     int master_fd = -1;
     bool is_master_taken = false;
     int commits = 0;
@@ -129,6 +146,14 @@ class FakeMachine {
   [[nodiscard]] FakeClock& clock() { return *clock_; }
   void opened(int fd, CardState* card);
   void closed(int fd);
+  /// Lets time pass on the calling thread, as a slow call does.
+  void spend(Duration time);
+  /// Lets a job run beside the calling thread; its calls let no time pass there. Returns when it ends.
+  TimePoint run_beside(const std::function<void()>& job);
+  /// Waits as a call does that needs the kernel's lock on the connectors.
+  void lock_connectors();
+  void flush_gpu() { rendered_at = clock_->now() + render_time_; }
+  [[nodiscard]] bool has_fences() const;
   /// Returns a new object number, like those that the kernel assigns.
   std::uint32_t next_id() { return ++last_id_; }
   int commit(CardState* card, const State& changes, std::uint32_t flags, void* cookie, int fd);
@@ -149,6 +174,8 @@ class FakeMachine {
   std::size_t images = 0;
   std::size_t udev_objects = 0;
   std::map<int, gbm_bo*> shared;
+  std::map<int, TimePoint> fences;
+  TimePoint rendered_at{};
 
  private:
   struct Fault {
@@ -156,6 +183,9 @@ class FakeMachine {
     int error = 0;
     int passes = 0;
   };
+  [[nodiscard]] TimePoint fence_of(const State& changes) const;
+  [[nodiscard]] Duration modeset_time(const CardState& card, const State& wanted) const;
+  [[nodiscard]] TimePoint next_vertical_blank(const CardState& card, std::uint32_t crtc, TimePoint after) const;
   [[nodiscard]] int refusal(const CardState& card, const State& wanted, bool allows_modeset) const;
   [[nodiscard]] int refusal_of_planes(const CardState& card, const State& wanted) const;
   [[nodiscard]] int refusal_of_modes(const CardState& card, const State& wanted) const;
@@ -163,6 +193,9 @@ class FakeMachine {
   std::vector<std::unique_ptr<CardState>> cards_;
   std::map<int, CardState*> fds_;
   FakeClock* clock_;
+  Duration render_time_{};
+  std::optional<Duration> beside_;  // Time that the job beside has taken, while it runs.
+  TimePoint beside_until_{};
   std::optional<Fault> fault_;
   std::map<std::string, int> calls_;
   std::uint32_t last_id_ = 5000;

@@ -37,6 +37,7 @@ class OutputSupervisorTest : public ::testing::Test {
       output::DrmOptions options;
       options.heads = {{{"a", kWidth, kHeight}, "HDMI-A-1"}, {{"b", kWidth, kHeight}, "HDMI-A-3"}};
       options.flip_timeout = std::chrono::milliseconds(20);
+      options.make_probe_runner = [this] { return machine_.probe_runner(); };
       return output::open_drm_output(options, clock_);
     };
     plan.heads.assign(2, plain_head(kWidth, kHeight));

@@ -113,6 +113,20 @@ TEST(Installation, the_panorama_covers_the_wall_from_the_sweet_spot) {
   }
 }
 
+TEST(Installation, demands_that_each_of_several_projectors_can_be_found_again) {
+  const std::string other = with(kRoom.substr(kRoom.find("[[projector]]")), "\"left\"", "\"right\"");
+  const auto fault = [](const std::string& text) {
+    const auto room = parse_installation(text, "room.toml");
+    EXPECT_TRUE(room) << room.error().message();
+    const Status checked = check_connectors(*room);
+    return checked ? std::string() : checked.error().message();
+  };
+  EXPECT_EQ(fault(kRoom), "");
+  EXPECT_THAT(fault(kRoom + other), HasSubstr("projector 'left' has neither 'connector' nor 'serial'"));
+  EXPECT_THAT(fault(kRoom + "connector = \"DP-1\"\n" + other), HasSubstr("projector 'right'"));
+  EXPECT_EQ(fault(kRoom + "connector = \"DP-1\"\n" + other + "serial = \"X4\"\n"), "");
+}
+
 TEST(Installation, reads_a_projectors_connector) {
   const auto room = parse_installation("cards = [\"/dev/dri/card1\", \"/dev/dri/card0\"]\n" + kRoom +
                                            "connector = \"HDMI-A-2\"\ncard = 1\nturn_deg = 270\n",
@@ -123,7 +137,15 @@ TEST(Installation, reads_a_projectors_connector) {
   EXPECT_EQ(plug.connector, "HDMI-A-2");
   EXPECT_EQ(plug.card, 1);
   EXPECT_EQ(plug.turn_deg, 270);
+  const auto extended = parse_installation(kRoom + "connector = \"DP-1\"\nedid = \"left.edid\"\nconnect = \"always\"\n",
+                                           "room.toml", "/etc/museum");
+  ASSERT_TRUE(extended) << extended.error().message();
+  EXPECT_EQ(extended->projectors[0].plug.edid, "/etc/museum/left.edid");
+  EXPECT_TRUE(extended->projectors[0].plug.is_always_connected);
+  EXPECT_EQ(parse_installation(kRoom + "serial = \"X4\"\n", "room.toml")->projectors[0].plug.serial, "X4");
   const auto plain = parse_installation(kRoom, "room.toml");
+  EXPECT_TRUE(plain->projectors[0].plug.edid.empty());
+  EXPECT_FALSE(plain->projectors[0].plug.is_always_connected);
   EXPECT_TRUE(plain->cards.empty());
   EXPECT_EQ(plain->projectors[0].plug.connector, "");
   EXPECT_EQ(plain->projectors[0].plug.card, std::nullopt);
@@ -139,6 +161,14 @@ TEST(Installation, reads_a_projectors_connector) {
   EXPECT_THAT(complaint(kRoom + "connector = \"DP-1\"\n" + other + "connector = \"DP-1\"\n"),
               HasSubstr("the connector of 'left' too"));
   EXPECT_EQ(complaint(kRoom + "connector = \"DP-1\"\n" + other + "connector = \"DP-1\"\ncard = 1\n"), "");
+  EXPECT_THAT(complaint(kRoom + "serial = \"X4\"\n" + other + "serial = \"X4\"\n"),
+              HasSubstr("the serial of 'left' too"));
+  EXPECT_THAT(complaint(kRoom + "connector = \"DP-1\"\nserial = \"X4\"\n"), HasSubstr("leave one out"));
+  EXPECT_THAT(complaint(kRoom + "edid = \"a/b\"\n"), HasSubstr("a file beside the installation"));
+  EXPECT_THAT(complaint(kRoom + "serial = \"X4\"\nedid = \"x.edid\"\n"), HasSubstr("'serial' cannot find it"));
+  EXPECT_THAT(complaint(kRoom + "connect = \"perhaps\"\n"), HasSubstr("connect"));
+  EXPECT_THAT(complaint(kRoom + "connector = \"DP-1\"\nconnect = \"always\"\n"), HasSubstr("needs 'connector'"));
+  EXPECT_THAT(complaint(kRoom + "edid = \"x.edid\"\nconnect = \"always\"\n"), HasSubstr("needs 'connector'"));
 }
 
 TEST(Installation, reads_how_a_projector_is_switched) {

@@ -76,6 +76,7 @@ class DrmPlace final : public Place {
     options.refresh_hz = refresh_hz;
     options.flip_timeout = std::chrono::milliseconds(20);
     options.is_awake = &is_awake;
+    options.make_probe_runner = [this] { return machine_.probe_runner(); };
     return open_drm_output(options, clock_);
   }
   std::optional<RgbImage> seen(const HeadMode&, std::size_t number) override { return machine_.wall(0, number); }

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <regex>
+
 #include "kiosk/provision/pin.h"
 #include "tests/support/museum_stick.h"
 
@@ -155,6 +157,33 @@ INSTANTIATE_TEST_SUITE_P(
                  fs::resize_file(m.stick() / "installation.toml", fs::file_size(m.stick() / "installation.toml") / 2);
                },
                "installation.toml:"},
+        Spoilt{"connector_left_out",
+               [](const MuseumStick& m) {
+                 const auto room = read_text_file(m.stick() / "installation.toml", 1 << 20);
+                 m.write("installation.toml", std::regex_replace(*room, std::regex("connector = \"HDMI-A-2\"\n"), ""));
+               },
+               "projector 'middle' has neither 'connector' nor 'serial'"},
+        Spoilt{"connected_named",
+               [](const MuseumStick& m) {
+                 const auto room = read_text_file(m.stick() / "installation.toml", 1 << 20);
+                 m.write("installation.toml", std::regex_replace(*room, std::regex("connector = .*\n"), ""));
+               },
+               "Connected to this computer now: "},
+        Spoilt{"edid_missing",
+               [](const MuseumStick& m) {
+                 const auto room = read_text_file(m.stick() / "installation.toml", 1 << 20);
+                 m.write("installation.toml",
+                         std::regex_replace(*room, std::regex("connector = "), "edid = \"x.edid\"\nconnector = "));
+               },
+               "'x.edid', which is not there"},
+        Spoilt{"edid_wrong",
+               [](const MuseumStick& m) {
+                 const auto room = read_text_file(m.stick() / "installation.toml", 1 << 20);
+                 m.write("x.edid", "not an EDID");
+                 m.write("installation.toml",
+                         std::regex_replace(*room, std::regex("connector = "), "edid = \"x.edid\"\nconnector = "));
+               },
+               "x.edid: an EDID of 11 bytes; it has at least 128"},
         Spoilt{"key_missing", [](const MuseumStick& m) { m.remove("tls/key.pem"); },
                "'tls/key.pem', which is not there"},
         Spoilt{"key_of_another",

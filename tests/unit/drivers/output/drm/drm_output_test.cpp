@@ -6,6 +6,7 @@
 
 #include <cerrno>
 
+#include "drivers/output/drm/mode_choice.h"
 #include "drivers/output/gl_objects.h"
 #include "tests/doubles/fake_card/fake_machine.h"
 
@@ -17,10 +18,11 @@ using ::testing::HasSubstr;
 
 class DrmOutputTest : public ::testing::Test {
  protected:
-  static DrmOptions three_heads() {
+  DrmOptions three_heads() const {
     DrmOptions options;
     options.heads = {{{"left", 64, 36}, "HDMI-A-1"}, {{"middle", 64, 36}, "HDMI-A-2"}, {{"right", 64, 36}, "HDMI-A-3"}};
     options.flip_timeout = std::chrono::milliseconds(20);
+    options.make_probe_runner = [this] { return machine_->probe_runner(); };
     return options;
   }
   void use(std::vector<FakeCard> cards) { machine_ = std::make_unique<FakeMachine>(std::move(cards), &clock_); }
@@ -272,6 +274,165 @@ TEST_F(DrmOutputTest, starts_without_projectors_and_uses_them_when_they_appear) 
   machine_->hot_plug();
   ASSERT_TRUE(refresh(99));
   EXPECT_THAT(seen(0), ElementsAre(99, 0, 0));
+}
+
+TEST_F(DrmOutputTest, follows_projectors_with_serials_to_other_connectors) {
+  FakeCard card = three_projectors();
+  for (std::size_t i = 0; i < 3; ++i) card.connectors[i].edid = fake_edid("P", 8, "S" + std::to_string(i));
+  use({card});
+  DrmOptions options = three_heads();
+  for (std::size_t i = 0; i < 3; ++i) {
+    options.heads[i].connector.clear();
+    options.heads[i].serial = "S" + std::to_string(2 - i);
+  }
+  open(options);
+  ASSERT_TRUE(refresh(9));
+  EXPECT_THAT(seen(0), ElementsAre(9, 2, 0));
+  EXPECT_THAT(seen(2), ElementsAre(9, 0, 0));
+  std::swap(machine_->connector(0, 0).edid, machine_->connector(0, 1).edid);
+  machine_->hot_plug();
+  // Nothing is drawn again, as in a show that stands still.
+  for (int n = 0; n < 3; ++n) {
+    ASSERT_TRUE(output_->wait_for_refresh());
+    ASSERT_TRUE(output_->present());
+  }
+  EXPECT_THAT(seen(0), ElementsAre(9, 1, 0));
+  EXPECT_THAT(seen(1), ElementsAre(9, 2, 0));
+}
+
+TEST_F(DrmOutputTest, drives_a_connector_without_hot_plug_with_the_given_edid) {
+  FakeCard card = three_projectors();
+  card.connectors[1].has_hot_plug = false;
+  const VideoTiming timing{2500, {64, 8, 8, 24, true}, {36, 2, 4, 358, true}};
+  Edid edid;
+  edid.maker = "EXT";
+  edid.model = "Extender";
+  edid.timings = {timing};
+  card.connectors[1].modes = modes_of(edid.timings);
+  use({card});
+  DrmOptions options = three_heads();
+  options.heads[1].edid = edid;
+  open(options);
+  ASSERT_TRUE(refresh(1));
+  EXPECT_THAT(seen(1), ElementsAre(-1));
+  output_.reset();
+  options.heads[1].is_always_connected = true;
+  open(options);
+  ASSERT_TRUE(refresh(2));
+  EXPECT_THAT(seen(1), ElementsAre(2, 1, 0));
+  EXPECT_THAT(output_->kind(), HasSubstr("HDMI-A-2 EXT Extender, 64x36"));
+  // Readings that find nothing connected change nothing.
+  const int before = machine_->modesets(0);
+  machine_->hot_plug();
+  for (int n = 0; n < 60 * 6; ++n) ASSERT_TRUE(refresh(n % 256));
+  EXPECT_EQ(machine_->modesets(0), before);
+}
+
+TEST_F(DrmOutputTest, states_what_is_wrong_with_an_edid) {
+  FakeCard card = three_projectors();
+  card.connectors[0].edid.clear();
+  card.connectors[1].edid[127] ^= 1;
+  use({card});
+  open(three_heads());
+  EXPECT_THAT(output_->kind(), HasSubstr("left: HDMI-A-1 (no EDID: check the cable"));
+  EXPECT_THAT(output_->kind(), HasSubstr("middle: HDMI-A-2 (the EDID's bytes add up to 0x"));
+}
+
+TEST_F(DrmOutputTest, probes_only_the_dark_connectors_again) {
+  FakeCard card = three_projectors();
+  card.connectors[1].is_connected = false;
+  use({card});
+  open(three_heads());
+  const int before = machine_->calls().at("drmModeGetConnector");
+  for (int n = 0; n < 60 * 11; ++n) ASSERT_TRUE(refresh(n % 256));
+  EXPECT_EQ(machine_->calls().at("drmModeGetConnector"), before + 2);
+  EXPECT_EQ(machine_->calls().at("drmModeGetConnectorCurrent"), 4);
+}
+
+TEST_F(DrmOutputTest, sets_modes_only_on_the_connectors_that_change) {
+  FakeCard card = three_projectors();
+  card.connectors[1].is_connected = false;
+  card.connectors[1].modeset_time = std::chrono::seconds(3);
+  use({card});
+  open(three_heads());
+  machine_->connector(0, 1).is_connected = true;
+  machine_->hot_plug();
+  ASSERT_TRUE(refresh(1));
+  const int before = machine_->modesets(0);
+  const TimePoint begun_at = clock_.now();
+  for (int n = 0; n < 60; ++n) ASSERT_TRUE(refresh(n));
+  EXPECT_NEAR(to_seconds(clock_.now() - begun_at), 1.0, 0.01);
+  EXPECT_EQ(output_->shown()[0].light, HeadShown::Light::kNew);
+  EXPECT_EQ(output_->shown()[1].light, HeadShown::Light::kDark);
+  for (int n = 0; n < 180; ++n) ASSERT_TRUE(refresh(n));
+  EXPECT_EQ(output_->shown()[1].light, HeadShown::Light::kNew);
+  EXPECT_THAT(seen(1), ElementsAre(179, 1, 0));
+  EXPECT_EQ(machine_->modesets(0), before);
+}
+
+TEST_F(DrmOutputTest, gives_up_a_modeset_that_never_ends_and_sets_everything_anew) {
+  FakeCard card = three_projectors();
+  card.connectors[1].is_connected = false;
+  use({card});
+  open(three_heads());
+  machine_->connector(0, 1).is_connected = true;
+  machine_->connector(0, 1).modeset_time = std::chrono::hours(1);
+  machine_->hot_plug();
+  for (int n = 0; n < 60; ++n) ASSERT_TRUE(refresh(n));
+  machine_->connector(0, 1).modeset_time = {};
+  machine_->forget_commits(0);
+  for (int n = 0; n < 60 * 10; ++n) ASSERT_TRUE(refresh(n % 256));
+  for (std::size_t head = 0; head < 3; ++head) EXPECT_EQ(output_->shown()[head].light, HeadShown::Light::kNew) << head;
+}
+
+TEST_F(DrmOutputTest, shows_each_head_at_its_own_rate) {
+  FakeCard card = three_projectors();
+  card.connectors[1].modes = {fake_mode(64, 36, 24.0, true)};
+  use({card});
+  DrmOptions options = three_heads();
+  options.flip_timeout = std::chrono::milliseconds(500);
+  open(options);
+  EXPECT_NEAR(output_->refresh_hz(), 60.0, 0.01);
+  std::vector<int> pictures(3);
+  for (int n = 0; n < 120; ++n) {
+    ASSERT_TRUE(refresh(n));
+    for (std::size_t head = 0; head < 3; ++head) {
+      if (output_->shown()[head].light == HeadShown::Light::kNew) ++pictures[head];
+    }
+  }
+  EXPECT_THAT(pictures, ElementsAre(120, ::testing::AllOf(::testing::Ge(47), ::testing::Le(48)), 120));
+}
+
+TEST_F(DrmOutputTest, lets_the_card_wait_for_the_gpu) {
+  FakeCard card = three_projectors();
+  card.has_fences = true;
+  use({card});
+  open(three_heads());
+  machine_->set_render_time(std::chrono::milliseconds(9));
+  ASSERT_TRUE(refresh(1));
+  const int before = machine_->calls().at("glFinish");
+  const Presented first = presented_;
+  for (int n = 0; n < 200; ++n) ASSERT_TRUE(refresh(n));
+  EXPECT_EQ(machine_->calls().at("glFinish"), before);
+  // The first pictures may be begun too late, before it is known how long the GPU takes.
+  EXPECT_LE(presented_.refresh, first.refresh + 202);
+  EXPECT_THAT(seen(2), ElementsAre(199, 2, 0));
+}
+
+TEST_F(DrmOutputTest, waits_for_the_gpu_itself_if_a_fence_fails) {
+  FakeCard card = three_projectors();
+  card.has_fences = true;
+  for (const char* const call : {"eglCreateSync", "eglDupNativeFenceFDANDROID", "ioctl"}) {
+    output_.reset();
+    machine_.reset();
+    use({card});
+    open(three_heads());
+    const int before = machine_->calls().at("glFinish");
+    machine_->fail(call, EIO);
+    for (int n = 0; n < 3; ++n) ASSERT_TRUE(refresh(n));
+    EXPECT_GT(machine_->calls().at("glFinish"), before) << call;
+    EXPECT_THAT(seen(2), ElementsAre(2, 2, 0)) << call;
+  }
 }
 
 TEST_F(DrmOutputTest, polls_if_there_are_no_hot_plug_events) {

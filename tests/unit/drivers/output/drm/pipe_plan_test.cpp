@@ -28,6 +28,8 @@ TEST(PipePlan, leaves_the_last_connectors_dark_if_there_are_too_few) {
 TEST(PipePlan, keeps_assignments_unless_another_connector_would_go_dark) {
   const std::vector<std::uint32_t> possible{0b111, 0b111};
   EXPECT_THAT(assign_crtcs(possible, Crtcs{2, 1}), ElementsAre(2, 1));
+  EXPECT_THAT(assign_crtcs(std::vector<std::uint32_t>{0b111, 0b111, 0b111}, Crtcs{0, std::nullopt, 1}),
+              ElementsAre(0, 2, 1));
   const std::vector<std::uint32_t> narrow{0b111, 0b100};
   const Crtcs moved = assign_crtcs(narrow, Crtcs{2, std::nullopt});
   EXPECT_EQ(moved[1], 2U);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/output/drm/edid.h"
+#include "common/edid/edid.h"
 
 #include <fmt/format.h>
 
@@ -7,15 +7,16 @@
 #include <array>
 #include <numeric>
 
-namespace cyclorama::output {
+#include "common/base/file.h"
+#include "common/edid/edid_timings.h"
+
+namespace cyclorama {
 namespace {
 
-constexpr std::size_t kBlock = 128;
 constexpr std::array<std::uint8_t, 8> kHeader{0x00, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x00};
 constexpr std::size_t kMaker = 8;
 constexpr std::size_t kInput = 20;
 constexpr std::size_t kFirstDescriptor = 54;
-constexpr std::size_t kDescriptor = 18;
 constexpr std::size_t kDescriptors = 4;
 constexpr std::uint8_t kSerialText = 0xff;
 constexpr std::uint8_t kNameText = 0xfc;
@@ -50,6 +51,14 @@ int colour_bits_of(std::uint8_t revision, std::uint8_t input) {
   return kDepths[input >> 4 & 7];
 }
 
+/// Returns the serial number of bytes 12 to 15; empty for 0 and 0x01010101, which makers use for none.
+std::string serial_in_digits(std::span<const std::uint8_t> bytes) {
+  constexpr std::uint32_t kNone = 0x01010101;
+  std::uint32_t serial = 0;
+  for (std::size_t i = 0; i < 4; ++i) serial |= static_cast<std::uint32_t>(bytes[12 + i]) << 8 * i;
+  return serial == 0 || serial == kNone ? std::string() : std::to_string(serial);
+}
+
 }  // namespace
 
 std::string Edid::text() const {
@@ -61,9 +70,10 @@ std::string Edid::text() const {
 }
 
 Result<Edid> parse_edid(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() < kBlock)
-    return Error(ErrorCode::kBadData, fmt::format("an EDID of {} bytes; it has at least {}", bytes.size(), kBlock));
-  bytes = bytes.first(kBlock);
+  if (bytes.size() < kEdidBlock)
+    return Error(ErrorCode::kBadData, fmt::format("an EDID of {} bytes; it has at least {}", bytes.size(), kEdidBlock));
+  const std::span<const std::uint8_t> all = bytes;
+  bytes = bytes.first(kEdidBlock);
   const auto [wrong, expected] = std::mismatch(bytes.begin(), bytes.begin() + kHeader.size(), kHeader.begin());
   if (expected != kHeader.end()) {
     return Error(ErrorCode::kBadData, fmt::format("not an EDID: byte {} is 0x{:02x} instead of 0x{:02x}",
@@ -80,12 +90,33 @@ Result<Edid> parse_edid(std::span<const std::uint8_t> bytes) {
   edid.product = static_cast<std::uint16_t>(bytes[10] | bytes[11] << 8);
   edid.colour_bits = colour_bits_of(bytes[19], bytes[kInput]);
   for (std::size_t i = 0; i < kDescriptors; ++i) {
-    const auto descriptor = bytes.subspan(kFirstDescriptor + i * kDescriptor, kDescriptor);
+    const auto descriptor = bytes.subspan(kFirstDescriptor + i * kEdidDescriptor, kEdidDescriptor);
     if (descriptor[0] != 0 || descriptor[1] != 0) continue;  // A timing descriptor, which the kernel parses.
     if (descriptor[3] == kNameText) edid.model = text_of(descriptor);
     if (descriptor[3] == kSerialText) edid.serial = text_of(descriptor);
   }
+  if (edid.serial.empty()) edid.serial = serial_in_digits(bytes);
+  edid.timings = edid_timings(all);
   return edid;
 }
 
-}  // namespace cyclorama::output
+Result<Edid> read_edid_file(const std::filesystem::path& path) {
+  constexpr std::size_t kMaxBytes = 256 * kEdidBlock;
+  TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path, kMaxBytes));
+  auto edid = parse_edid(std::span(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()));
+  if (!edid) return std::move(edid).error().while_doing(path.string());
+  return edid;
+}
+
+Result<Edid> read_edid_to_drive(const std::filesystem::path& path) {
+  TRY_ASSIGN(Edid edid, read_edid_file(path));
+  if (edid.timings.empty()) {
+    return Error(ErrorCode::kBadData,
+                 fmt::format("{}: this EDID lists no timing; copy that of a projector of the same model, from "
+                             "/sys/class/drm/card0-HDMI-A-1/edid while it is connected",
+                             path.string()));
+  }
+  return edid;
+}
+
+}  // namespace cyclorama

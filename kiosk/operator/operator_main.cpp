@@ -13,9 +13,12 @@
 #include "common/process/program.h"
 #include "kiosk/operator/page_certificate.h"
 #include "kiosk/operator/page_server.h"
+#include "kiosk/operator/self_check.h"
 
 namespace cyclorama::operations {
 namespace {
+
+constexpr Duration kSupervisePeriod = std::chrono::milliseconds(500);
 
 struct Options {
   std::string listen = "[::1]:8443";
@@ -68,6 +71,21 @@ Result<OperatorAccess> make_access(const Options& options, const Clock& clock) {
   return access;
 }
 
+/// Feeds the watchdog until the stop, whenever the page has just answered; systemd restarts one that does not.
+void watch_over(const SelfCheck& check, const StopSignal& stop, Notify* notify) {
+  bool is_well = true;
+  while (!stop.wait_until(SteadyClock().now() + kSupervisePeriod)) {
+    if (!notify->is_due(SteadyClock().now())) continue;
+    const Status answered = check.run();
+    if (answered) notify->keep_alive(SteadyClock().now());
+    if (answered.has_value() == is_well) continue;
+    is_well = answered.has_value();
+    const std::string sentence = is_well ? "the page answers itself again" : answered.error().message();
+    notify->status(sentence);
+    log(is_well ? LogLevel::kNotice : LogLevel::kError, sentence);
+  }
+}
+
 Status run(const Options& options, const StopSignal& stop) {
   TRY_ASSIGN(const std::vector<Endpoint> endpoints, gather_endpoints(options.watches, options.endpoints));
   TRY_ASSIGN(std::vector<ProcessLink> links, make_links(endpoints));
@@ -97,9 +115,10 @@ Status run(const Options& options, const StopSignal& stop) {
     log(LogLevel::kInfo, fmt::format("its certificate is good until {}; SHA-256 {}", access.certificate->until,
                                      access.certificate->fingerprint));
   }
+  const SelfCheck check(options.listen, page->port(), access.certificate ? SelfCheck::kTls : SelfCheck::kPlain);
   Notify notify;
   notify.ready();
-  while (!stop.wait_until(SteadyClock().now() + std::chrono::seconds(1))) notify.keep_alive(SteadyClock().now());
+  watch_over(check, stop, &notify);
   notify.stopping();
   page->stop();
   return Done{};

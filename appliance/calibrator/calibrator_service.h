@@ -10,7 +10,7 @@
 
 #include "appliance/calibrator/turntable_prompt.h"
 #include "appliance/scan/calibration_run.h"
-#include "common/process/liveness.h"
+#include "common/base/liveness.h"
 #include "common/wire/calibration.grpc.pb.h"
 #include "common/wire/inspection_service.h"
 

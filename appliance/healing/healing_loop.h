@@ -15,7 +15,7 @@
 #include "appliance/healing/healing_health.h"
 #include "appliance/healing/healing_start.h"
 #include "appliance/healing/show_record.h"
-#include "common/process/liveness.h"
+#include "common/base/liveness.h"
 #include "common/wire/inspection_service.h"
 
 namespace cyclorama::healing {

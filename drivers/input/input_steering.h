@@ -6,6 +6,8 @@
 ///   right      left stick right   D / A                pushed to the right
 ///   turn       right stick right  Right, E / Left, Q   twisted clockwise
 ///
+///   help       –                   F1, Help             –
+///
 /// Event codes are those of linux/input-event-codes.h. Nothing here accesses a device.
 #pragma once
 
@@ -66,6 +68,8 @@ class InputSteering {
   /// Updates the state; events without a meaning for steering are ignored.
   void take(const InputEvent& event, TimePoint at);
   [[nodiscard]] InputCommand command(TimePoint now) const;
+  /// Number of presses of Help or F1 so far.
+  [[nodiscard]] unsigned help_presses() const { return help_presses_; }
 
   /// Time after which a relative axis counts as released: a 3D mouse that reports relative axes sends no event on
   /// release.
@@ -83,6 +87,7 @@ class InputSteering {
   InputKind kind_;
   InputDescription description_;
   std::set<int> pressed_;
+  unsigned help_presses_ = 0;
   std::map<int, std::int32_t> absolute_;
   std::map<int, Moved> relative_;
 };

@@ -107,11 +107,14 @@ void serve_login(httplib::Server& server, Sessions* sessions, std::function<std:
   server.Post("/login", [sessions, told](const httplib::Request& request, httplib::Response& response) {
     const nlohmann::json json = nlohmann::json::parse(request.body, nullptr, false);
     const auto pin = json.is_object() ? json.find("pin") : json.end();
+    const std::string wall_code = json.is_object() && json.contains("wall") && json["wall"].is_string()
+                                      ? json["wall"].get<std::string>()
+                                      : std::string();
     if (!json.is_object() || pin == json.end() || !pin->is_string()) {
       return refuse(400, "send {\"pin\": \"...\"}", response);
     }
-    const auto login =
-        sessions->open(pin->get_ref<const std::string&>(), request.remote_addr, cookie_in(request, kDeviceCookie));
+    const std::string device = cookie_in(request, kDeviceCookie);
+    const auto login = sessions->open(pin->get_ref<const std::string&>(), request.remote_addr, {device, wall_code});
     if (!login) {
       if (login.error().code() == ErrorCode::kInvalidArgument) return refuse(403, login.error().message(), response);
       if (login.error().code() != ErrorCode::kNotFound) return answer_error(login.error(), response);

@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "common/base/file.h"
 #include "common/http/peer_network.h"
@@ -22,6 +23,8 @@ namespace {
 
 constexpr std::size_t kTokenBytes = 32;
 constexpr std::size_t kMaxPinFileBytes = 4096;
+constexpr std::size_t kWallCodeLength = 16;  // 64 bits: it is valid for minutes, and must fit into a QR code.
+constexpr const char* kWall = "wall";        // No name of a device, which is longer.
 constexpr std::size_t kMaxClients = 1000;
 constexpr auto kForgiveAfter = std::chrono::hours(1);
 
@@ -59,9 +62,11 @@ std::string known_device(std::string_view device, std::string_view hash) {
   return is_known ? std::string(name) : "";
 }
 
-Error wait_for(Duration time, bool is_known_device) {
+Error wait_for(Duration time, bool has_own_tries) {
   return {ErrorCode::kBusy, fmt::format("too many wrong PINs; try again in {:.0f} s{}", std::ceil(to_seconds(time)),
-                                        is_known_device ? "" : ", or where this page was opened before")};
+                                        has_own_tries ? ""
+                                                      : ", or with a device that has logged in before, "
+                                                        "or press Help at the wall and scan its code")};
 }
 
 }  // namespace
@@ -75,17 +80,17 @@ Sessions::Sessions(const Clock& clock, std::filesystem::path pin_file, SessionRu
 Status Sessions::may_try(const Client& client, TimePoint now) {
   const std::lock_guard lock(mutex_);
   const TriesByClient& tries = tries_of(client);
-  TimePoint next_at = client.is_known_device ? now : wrong_of_unknown_.paid_at();
+  TimePoint next_at = client.has_own_tries ? now : wrong_of_unknown_.paid_at();
   if (const auto found = tries.find(client.name); found != tries.end()) {
     next_at = std::max(next_at, found->second.next_at);
   }
-  if (next_at > now) return wait_for(next_at - now, client.is_known_device);
+  if (next_at > now) return wait_for(next_at - now, client.has_own_tries);
   return Done{};
 }
 
 void Sessions::was_wrong(const Client& client, TimePoint now) {
   const std::lock_guard lock(mutex_);
-  if (!client.is_known_device) wrong_of_unknown_.take(1.0, now);
+  if (!client.has_own_tries) wrong_of_unknown_.take(1.0, now);
   TriesByClient& all = tries_of(client);
   std::erase_if(all, [&](const auto& entry) { return now - entry.second.last_at > kForgiveAfter; });
   // The limit for all unknown devices together still holds.
@@ -104,7 +109,26 @@ void Sessions::forget_old(TimePoint now) {
   });
 }
 
-Result<Login> Sessions::open(std::string_view pin, const std::string& from, std::string_view device) {
+Sessions::Client Sessions::client_of(const std::string& from, const LoginProofs& proofs, std::string_view hash) {
+  if (std::string device = known_device(proofs.device, hash); !device.empty()) return {std::move(device), true};
+  const std::lock_guard lock(mutex_);
+  for (const std::string& code : wall_codes_) {
+    const bool is_right = !code.empty() && code.size() == proofs.wall_code.size() &&
+                          CRYPTO_memcmp(code.data(), proofs.wall_code.data(), code.size()) == 0;
+    if (is_right) return {kWall, true};
+  }
+  return {peer_network(from), false};
+}
+
+Result<std::string> Sessions::renew_wall_code() {
+  TRY_ASSIGN(std::string code, new_token());
+  code.resize(kWallCodeLength);
+  const std::lock_guard lock(mutex_);
+  wall_codes_[1] = std::exchange(wall_codes_[0], code);
+  return code;
+}
+
+Result<Login> Sessions::open(std::string_view pin, const std::string& from, const LoginProofs& proofs) {
   const std::lock_guard one(trying_);
   const auto hash = read_text_file(pin_file_, kMaxPinFileBytes);
   if (!hash && hash.error().code() == ErrorCode::kNotFound) {
@@ -113,8 +137,7 @@ Result<Login> Sessions::open(std::string_view pin, const std::string& from, std:
         "this museum has no PIN yet: plug in a stick whose folder 'cyclorama' has an operator.toml with a pin");
   }
   if (!hash) return hash.error();
-  Client client{known_device(device, *hash), true};
-  if (client.name.empty()) client = {peer_network(from), false};
+  const Client client = client_of(from, proofs, *hash);
   TRY(may_try(client, clock_.now()));
   std::string plain;
   for (const char c : pin) {
@@ -128,8 +151,8 @@ Result<Login> Sessions::open(std::string_view pin, const std::string& from, std:
   }
   Login login;
   TRY_ASSIGN(login.session, new_token());
-  login.device = device;
-  if (!client.is_known_device) {
+  login.device = proofs.device;
+  if (known_device(proofs.device, *hash).empty()) {
     TRY_ASSIGN(const std::string name, new_token());
     login.device = device_proof(name, *hash);
   }

@@ -2,6 +2,7 @@
 /// Sessions of the operator page: temporary access for people who have entered the PIN.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <mutex>
@@ -27,6 +28,12 @@ struct SessionRules {
   double tries_at_once = 30.0;  ///< Burst that the rate allows at first.
 };
 
+/// Texts by which a client may have tries of its own. Each may be empty or anything else.
+struct LoginProofs {
+  std::string_view device{};     ///< Login::device of an earlier login.
+  std::string_view wall_code{};  ///< The code on the wall, which only people in front of it see.
+};
+
 /// Cookies for a client that entered the PIN.
 struct Login {
   std::string session;  ///< Token of the session: 256 random bits in hexadecimal.
@@ -41,16 +48,19 @@ class Sessions {
   /// counts at once. `clock` is borrowed.
   Sessions(const Clock& clock, std::filesystem::path pin_file, SessionRules rules = {});
 
-  /// Opens a session. `from` is the peer's address; all addresses of an IPv6 /64 count as one. `device` is
-  /// Login::device of an earlier login, or anything else. Wrong PINs count for the device if it is known, which nobody
-  /// can be without the PIN, and otherwise for the network and for all unknown devices together; so others' wrong PINs
-  /// do not lock out a known device. Errors: kInvalidArgument if the PIN is wrong; kBusy, with the time to wait, after
-  /// too many wrong PINs (this PIN is then not checked); kNotFound if no PIN was provisioned; kBadData, kSystem if the
-  /// file cannot be read.
-  Result<Login> open(std::string_view pin, const std::string& from, std::string_view device = {});
+  /// Opens a session. `from` is the peer's address; all addresses of an IPv6 /64 count as one. Wrong PINs count for
+  /// the device if it is known, which no device can be without the PIN; else for the wall, if the client has its
+  /// code; else for the network, and for all such clients together. So wrong PINs from elsewhere lock out neither a
+  /// known device nor people in front of the wall. Errors: kInvalidArgument if the PIN is wrong; kBusy, with the time
+  /// to wait, after too many wrong PINs (this PIN is then not checked); kNotFound if no PIN was provisioned;
+  /// kBadData, kSystem if the file cannot be read.
+  Result<Login> open(std::string_view pin, const std::string& from, const LoginProofs& proofs = {});
   /// Returns true for a session's token, and marks the session as used.
   [[nodiscard]] bool is_open(std::string_view token);
   void close(std::string_view token);
+  /// Returns a new code for the wall. The one before it stays valid, for people who have just scanned it. Errors: kSystem
+  /// if there are no random numbers.
+  Result<std::string> renew_wall_code();
 
  private:
   struct Session {
@@ -63,12 +73,13 @@ class Sessions {
     TimePoint last_at{};
   };
   using TriesByClient = std::map<std::string, Tries, std::less<>>;
-  /// The client whose tries are counted: a known device, or else a network.
+  /// The client whose tries are counted.
   struct Client {
     std::string name;
-    bool is_known_device = false;
+    bool has_own_tries = false;  ///< A known device, or the wall; else a network.
   };
-  TriesByClient& tries_of(const Client& client) { return client.is_known_device ? device_tries_ : network_tries_; }
+  TriesByClient& tries_of(const Client& client) { return client.has_own_tries ? own_tries_ : network_tries_; }
+  Client client_of(const std::string& from, const LoginProofs& proofs, std::string_view hash);
   Status may_try(const Client& client, TimePoint now);
   void was_wrong(const Client& client, TimePoint now);
   void forget_old(TimePoint now);
@@ -79,7 +90,8 @@ class Sessions {
   std::mutex trying_;  ///< Serialises the checks of PINs.
   std::mutex mutex_;   ///< Guards the following.
   std::map<std::string, Session, std::less<>> sessions_;
-  TriesByClient device_tries_;
+  std::array<std::string, 2> wall_codes_;  ///< The newest first; empty: none.
+  TriesByClient own_tries_;
   TriesByClient network_tries_;
   TokenBucket wrong_of_unknown_;
 };

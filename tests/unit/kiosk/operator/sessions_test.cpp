@@ -39,7 +39,7 @@ struct LoginFixture {
   }
   [[nodiscard]] ErrorCode refused(const std::string& pin, const std::string& from = kHere,
                                   const std::string& device = "") const {
-    const auto token = sessions->open(pin, from, device);
+    const auto token = sessions->open(pin, from, {.device = device});
     return token ? ErrorCode::kSystem : token.error().code();
   }
 };
@@ -131,14 +131,46 @@ TEST(Sessions, let_in_a_known_device_however_many_wrong_pins_others_try) {
     EXPECT_TRUE(refused == ErrorCode::kInvalidArgument || refused == ErrorCode::kBusy);
   }
   EXPECT_EQ(door.refused("401773", "198.51.100.1"), ErrorCode::kBusy) << "unknown devices wait";
-  const auto again = door.sessions->open("401773", kHere, before->device);
+  const auto again = door.sessions->open("401773", kHere, {.device = before->device});
   ASSERT_TRUE(again) << again.error().message();
   EXPECT_EQ(again->device, before->device);
   EXPECT_TRUE(door.sessions->is_open(again->session));
   // After a restart the device is still known.
   door.sessions = std::make_unique<Sessions>(door.clock, door.folder / "pin");
   for (int i = 0; i < 100; ++i) static_cast<void>(door.refused("000001", "192.0.2." + std::to_string(i)));
-  EXPECT_TRUE(door.sessions->open("401773", kHere, before->device));
+  EXPECT_TRUE(door.sessions->open("401773", kHere, {.device = before->device}));
+}
+
+TEST(Sessions, let_in_who_stands_before_the_wall_however_many_wrong_pins_others_try) {
+  LoginFixture door;
+  const auto code = door.sessions->renew_wall_code();
+  ASSERT_TRUE(code);
+  for (int i = 0; i < 100; ++i) static_cast<void>(door.refused("000001", "192.0.2." + std::to_string(i)));
+  EXPECT_EQ(door.refused("401773"), ErrorCode::kBusy);
+  const auto login = door.sessions->open("401773", kHere, {.wall_code = *code});
+  ASSERT_TRUE(login) << login.error().message();
+  EXPECT_TRUE(door.sessions->open("401773", kHere, {.device = login->device})) << "the device is known from now on";
+  EXPECT_NE(*door.sessions->renew_wall_code(), *code);
+  EXPECT_TRUE(door.sessions->open("401773", kHere, {.wall_code = *code})) << "it has just been scanned";
+  ASSERT_TRUE(door.sessions->renew_wall_code());
+  const auto old = door.sessions->open("401773", kHere, {.wall_code = *code});
+  ASSERT_FALSE(old);
+  EXPECT_EQ(old.error().code(), ErrorCode::kBusy);
+  EXPECT_THAT(old.error().message(), HasSubstr("press Help at the wall"));
+}
+
+TEST(Sessions, delay_the_guesses_of_those_before_the_wall_too) {
+  LoginFixture door;
+  const auto code = door.sessions->renew_wall_code();
+  for (int i = 0; i < 3; ++i) {
+    const auto wrong = door.sessions->open("000001", kHere, {.wall_code = *code});
+    ASSERT_FALSE(wrong);
+    EXPECT_EQ(wrong.error().code(), ErrorCode::kInvalidArgument);
+  }
+  ASSERT_TRUE(door.sessions->renew_wall_code());
+  const auto waits = door.sessions->open("401773", "198.51.100.1", {.wall_code = *code});
+  ASSERT_FALSE(waits) << "from any network, and with any code";
+  EXPECT_EQ(waits.error().code(), ErrorCode::kBusy);
 }
 
 TEST(Sessions, delay_the_guesses_of_a_known_device_too) {
@@ -148,7 +180,7 @@ TEST(Sessions, delay_the_guesses_of_a_known_device_too) {
   EXPECT_EQ(door.refused("401773", "198.51.100.1", device), ErrorCode::kBusy) << "from any network";
   EXPECT_TRUE(door.sessions->open("401773", kHere)) << "others are not affected";
   door.clock.advance(2s);
-  EXPECT_TRUE(door.sessions->open("401773", kHere, device));
+  EXPECT_TRUE(door.sessions->open("401773", kHere, {.device = device}));
 }
 
 TEST(Sessions, know_no_device_by_a_text_that_they_did_not_issue_for_this_pin) {

@@ -347,7 +347,8 @@ Status run(const Options& options, const StopSignal& stop) {
   log(LogLevel::kNotice, fmt::format("waits for calibration requests at port {}", server->port()));
   std::string shown;
   do {
-    notify.keep_alive(clock.now());
+    // Without this the watchdog restarts the process, which is the remedy for a camera or display that hangs.
+    if (calibrator.moves_on() && (loop == nullptr || loop->moves_on())) notify.keep_alive(clock.now());
     const std::string state = calibrator.state();
     notify.status(state);
     // Percentages change all the time; a line is logged only if the situation changes.

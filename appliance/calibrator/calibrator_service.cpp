@@ -17,6 +17,10 @@ namespace {
 constexpr Duration kReportEvery = std::chrono::milliseconds(200);
 constexpr Duration kPictureEvery = std::chrono::seconds(1);
 constexpr int kPictureWidth_px = 640;
+/// Longest time without progress. A photograph follows another within seconds, even when it is taken again; the wall of
+/// many projectors is computed for minutes on a slow computer.
+constexpr Duration kPhotographTimeout = std::chrono::minutes(5);
+constexpr Duration kStepTimeout = std::chrono::minutes(30);
 
 grpc::Status refused(const std::string& why) { return {grpc::StatusCode::FAILED_PRECONDITION, why}; }
 
@@ -110,6 +114,9 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
   const std::shared_ptr<void> held = hold_ ? hold_() : nullptr;
   std::stop_source stop;
   const std::stop_callback process_stops(stop_.get_token(), [&] { stop.request_stop(); });
+  liveness_.expect_by(clock_.now() + kStepTimeout);
+  const auto rest = [this](void*) { liveness_.rest(); };
+  const std::unique_ptr<void, decltype(rest)> at_the_end(this, rest);
   JpegEncoder encoder;
   TimePoint told_at{};
   TimePoint pictured_at{};
@@ -117,6 +124,7 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
   double fraction = 0.0;
   const scan::ScanListener listener = [&](const scan::ScanProgress& progress) {
     const TimePoint now = clock_.now();
+    liveness_.expect_by(now + (progress.newest != nullptr ? kPhotographTimeout : kStepTimeout));
     fraction = progress.fraction;
     say(fmt::format("is calibrating, {:.0f} %: {}", 100.0 * progress.fraction, progress.step), true);
     inspection_->set_gauge("calibrated_fraction", progress.fraction);
@@ -140,6 +148,7 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
   };
   std::string asked;
   const TurntablePrompt::Listener questions = [&](const std::string& question) {
+    liveness_.expect_by(clock_.now() + kStepTimeout);
     if (context->IsCancelled() || stop.stop_requested()) {
       stop.request_stop();
       return false;

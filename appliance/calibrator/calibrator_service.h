@@ -10,6 +10,7 @@
 
 #include "appliance/calibrator/turntable_prompt.h"
 #include "appliance/scan/calibration_run.h"
+#include "common/base/liveness.h"
 #include "common/wire/calibration.grpc.pb.h"
 #include "common/wire/inspection_service.h"
 
@@ -44,6 +45,8 @@ class CalibratorService final : public wire::Calibrator::Service {
   void stop();
   /// Returns the state in words, such as "is calibrating: ...".
   [[nodiscard]] std::string state() const;
+  /// False while a calibration has made no step for longer than its longest step takes: its thread or a device hangs.
+  [[nodiscard]] bool moves_on() const { return liveness_.is_alive(clock_.now()); }
 
  private:
   grpc::Status Calibrate(grpc::ServerContext* context, const wire::CalibrateRequest* request,
@@ -72,6 +75,7 @@ class CalibratorService final : public wire::Calibrator::Service {
   std::function<std::shared_ptr<void>()> hold_;
   TurntablePrompt* prompt_ = nullptr;  ///< Null if no person turns the turntable.
   std::stop_source stop_;
+  Liveness liveness_;
 };
 
 }  // namespace cyclorama::calibrator

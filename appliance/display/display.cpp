@@ -73,7 +73,11 @@ Display::Display(DisplayOptions options, const Clock& clock)
       mailbox_(options_.installation.projectors.size()),
       patterns_(modes_of(options_.installation.projectors), &mailbox_.patterns, options_.patterns_idle),
       tour_clock_(options_.system_clock),
-      hours_(options_.hours, options_.hours_override) {}
+      hours_(options_.hours, options_.hours_override) {
+  if (!options_.reach.empty()) {
+    reach_.emplace(options_.reach, options_.help_pressed, modes_of(options_.installation.projectors));
+  }
+}
 
 Display::~Display() { patterns_.stop(); }
 
@@ -273,6 +277,7 @@ void Display::serve(TimePoint deadline) {
     free_shown();
     patterns_.tend();
     note_output();
+    keep_reach();
     keep_hours();
     keep_calibration();
     keep_connected();
@@ -289,11 +294,19 @@ void Display::serve(TimePoint deadline) {
 }
 
 /// Lights or darkens the heads. The result depends on the present time alone, not on when the process started or the
-/// clock was set. Patterns keep the heads awake, since a wall is measured while the museum is closed.
+/// clock was set. Patterns keep the heads awake, since a wall is measured while the museum is closed, and so does help.
 void Display::keep_hours() {
   const auto now = wall_time(std::chrono::time_point_cast<WallTime::duration>(options_.system_clock()));
-  is_awake_ = patterns_.is_open() || hours_.is_open(now);
+  is_awake_ = patterns_.is_open() || patterns_.has_notice() || hours_.is_open(now);
   inspection_.set_gauge("awake", is_awake_ ? 1.0 : 0.0);
+}
+
+/// Shows how to reach the operator page, or the show again.
+void Display::keep_reach() {
+  if (!reach_ || !reach_->update(clock_.now())) return;
+  patterns_.set_notice(reach_->pictures());
+  inspection_.set_fact("reach_shown", patterns_.has_notice() ? "yes" : "no");
+  inspection_.set_fact("reach_trouble", reach_->trouble());
 }
 
 void Display::note_output() {
@@ -346,7 +359,7 @@ void Display::request_time() {
 void Display::report_refreshes() {
   while (const auto event = mailbox_.refreshes.pop()) {
     if (options_.on_refresh) options_.on_refresh(*event);
-    history_->refreshed(*event, is_awake_ && !patterns_.is_open());
+    history_->refreshed(*event, is_awake_ && !patterns_.is_open() && !patterns_.has_notice());
     if (event->synchronised_refresh) tour_clock_.drawn_ahead(event->drawn_ahead);
     auto presented = reporter_.take(*event);
     if (!presented || stream_ == nullptr || event->frame_order <= reported_after_) continue;

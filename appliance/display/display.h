@@ -14,6 +14,7 @@
 #include "appliance/display/make_output.h"
 #include "appliance/display/pattern_service.h"
 #include "appliance/display/present_thread.h"
+#include "appliance/display/reach_screen.h"
 #include "appliance/display/refresh_reporter.h"
 #include "appliance/display/show_stream.h"
 #include "appliance/display/shown_service.h"
@@ -43,6 +44,8 @@ struct DisplayOptions {
   OpeningHours hours;                    ///< Outside of these hours the heads are dark.
   std::filesystem::path hours_override;  ///< File with the operator's override of the hours for one day; empty: none.
   SystemClock system_clock = std::chrono::system_clock::now;
+  std::filesystem::path reach;  ///< File of common/reach, by which the wall shows how to reach the operator page.
+  std::filesystem::path help_pressed;  ///< File whose time changes when somebody presses Help. See ReachScreen.
   /// Called after each step while the output opens. May be null.
   std::function<void()> on_start_step;
   /// For tools: called on the main thread for every refresh. May be null.
@@ -90,6 +93,7 @@ class Display : private FrameSink {
   void free_shown();
   void note_output();
   void keep_hours();
+  void keep_reach();
   void keep_calibration();
   void keep_connected();
   void hang_up();
@@ -110,6 +114,7 @@ class Display : private FrameSink {
   RefreshReporter reporter_;
   PresentMailbox mailbox_;
   PatternService patterns_;
+  std::optional<ReachScreen> reach_;       // Nothing without the file's name.
   std::unique_ptr<ShownHistory> history_;  // Created in prepare(), before the first request.
   std::unique_ptr<ShownService> showing_;
   TourClock tour_clock_;

@@ -41,6 +41,10 @@ void add_options(CLI::App* app, Options* options) {
   app->add_option("--config", options->config, "The museum's site.toml: [display], [hours]");
   app->add_option("--hours-override", display.hours_override,
                   "File in which the operator page keeps its override of [hours] for one day");
+  app->add_option("--reach", display.reach,
+                  "File in which the operator page writes how it is reached: the wall shows it until there is a PIN, "
+                  "after Help, and when the page was not reachable for a day");
+  app->add_option("--help-pressed", display.help_pressed, "File that cyclorama-hand writes when Help is pressed");
   app->add_option("--tour", display.tour, "HOST:PORT of the tour to show, such as [::1]:7403")->required();
   app->add_option("--listen", display.listen,
                   "HOST:PORT for inspection and a calibration's patterns; port 0 takes a free one")

@@ -58,7 +58,7 @@ grpc::Status PatternService::ShowPatterns(grpc::ServerContext* context, Stream* 
             "another calibration shows its patterns; wait for its end, or cancel it"};
   }
   const grpc::Status end = serve(context, stream);
-  const std::uint64_t back = put(false, std::vector<PatternWall::Head>(heads_.size()));
+  const std::uint64_t back = put_notice();
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, kForTheShow, [&] { return shown_.order >= back || stops_; });
   is_open_ = false;
@@ -115,7 +115,29 @@ Status PatternService::take(const wire::PatternRequest& order, std::vector<Patte
   return Done{};
 }
 
+void PatternService::set_notice(const std::vector<std::shared_ptr<const RgbaImage>>& pictures) {
+  const std::lock_guard lock(putting_);
+  notice_.clear();
+  for (const auto& picture : pictures) notice_.push_back({picture, false});
+  has_notice_ = !notice_.empty();
+  if (!is_stream_putting_) put_locked(has_notice_, notice_);
+}
+
 std::uint64_t PatternService::put(bool is_open, std::vector<PatternWall::Head> heads) {
+  const std::lock_guard lock(putting_);
+  is_stream_putting_ = true;
+  return put_locked(is_open, std::move(heads));
+}
+
+/// Ends the stream's walls.
+std::uint64_t PatternService::put_notice() {
+  const std::lock_guard lock(putting_);
+  is_stream_putting_ = false;
+  return put_locked(has_notice_, notice_);
+}
+
+std::uint64_t PatternService::put_locked(bool is_open, std::vector<PatternWall::Head> heads) {
+  if (heads.empty()) heads.resize(heads_.size());
   auto wall = std::make_unique<PatternWall>();
   wall->order = ++order_;
   wall->is_open = is_open;

@@ -32,6 +32,10 @@ class PatternService final : public wire::PatternScreen::Service {
   void stop();
   /// True while patterns are shown instead of the show.
   [[nodiscard]] bool is_open() const { return is_open_; }
+  /// Shows a picture on each head instead of the show, as long as no patterns are shown; none: the show. They have the
+  /// heads' sizes.
+  void set_notice(const std::vector<std::shared_ptr<const RgbaImage>>& pictures);
+  [[nodiscard]] bool has_notice() const { return has_notice_; }
 
  private:
   using Stream = grpc::ServerReaderWriter<wire::PatternShown, wire::PatternRequest>;
@@ -39,6 +43,8 @@ class PatternService final : public wire::PatternScreen::Service {
   grpc::Status serve(grpc::ServerContext* context, Stream* stream);
   Status take(const wire::PatternRequest& order, std::vector<PatternWall::Head>* heads) const;
   std::uint64_t put(bool is_open, std::vector<PatternWall::Head> heads);
+  std::uint64_t put_notice();
+  std::uint64_t put_locked(bool is_open, std::vector<PatternWall::Head> heads);  // Precondition: putting_ is held.
   bool read(grpc::ServerContext* context, Stream* stream, wire::PatternRequest* ret);
   Result<TimePoint> wait_for(std::uint64_t order, const grpc::ServerContext& context);
 
@@ -47,8 +53,12 @@ class PatternService final : public wire::PatternScreen::Service {
   const Duration idle_;
   const Duration timeout_;
   std::atomic<bool> is_open_{false};
-  std::uint64_t order_ = 0;  // PatternWall::order of the newest wall; used by the one stream only.
-  std::mutex mutex_;         // Guards the members below. Never locked by the present thread.
+  std::atomic<bool> has_notice_{false};
+  std::mutex putting_;                     // Guards the next three members. Never locked by the present thread.
+  std::uint64_t order_ = 0;                // PatternWall::order of the newest wall.
+  bool is_stream_putting_ = false;         // The walls are the stream's.
+  std::vector<PatternWall::Head> notice_;  // Pictures while there is no stream; empty: the show.
+  std::mutex mutex_;                       // Guards the members below. Never locked by the present thread.
   PatternsShown shown_;
   bool stops_ = false;
   grpc::ServerContext* waiting_ = nullptr;  // The call that waits for a request; null if none does.

@@ -11,6 +11,7 @@
 
 #include "appliance/hand/pose_listener.h"
 #include "appliance/tracker/tour_link.h"
+#include "common/base/file.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
@@ -35,6 +36,7 @@ struct Options {
   std::string vrpn;
   std::string vrpn_device;
   std::string axes = "camera";
+  std::string help_pressed;
 };
 
 void add_options(CLI::App& app, Options* options) {
@@ -49,6 +51,9 @@ void add_options(CLI::App& app, Options* options) {
       ->type_name("HOST:PORT");
   app.add_option("--vrpn", options->vrpn, "Listen here for a VRPN tracker's datagrams")->type_name("HOST:PORT");
   app.add_option("--vrpn-device", options->vrpn_device, "Follow only the VRPN tracker of this name");
+  app.add_option("--help-pressed", options->help_pressed,
+                 "Write this file when Help or F1 is pressed; the display then shows how to reach the operator page")
+      ->type_name("FILE");
   app.add_option("--axes", options->axes,
                  "Axes of those poses: 'camera', as cyclorama-tracker's, or 'room', x to the visitor's right, y up")
       ->check(CLI::IsMember({"camera", "room"}))
@@ -158,6 +163,11 @@ Status run(const Options& options, const StopSignal& stop) {
     inputs.update(now);
     if (heard.stop) steer.go_to(*heard.stop);
     if (const int steps = inputs.take_steps(); steps != 0) steer.go_to(steps > 0 ? 1 : -1);
+    if (inputs.take_help() && !options.help_pressed.empty()) {
+      // Its time counts, and its content is for people.
+      const Status written = write_file_atomically(options.help_pressed, std::string_view("Help was pressed.\n"));
+      if (!written) log(LogLevel::kError, written.error().message());
+    }
     input::InputCommand command = inputs.command(now);
     // As with keys, a command ends once its sender has been silent for a while.
     if (command.is_rest() && now - osc_command_at < std::chrono::milliseconds(300)) command = osc_command;

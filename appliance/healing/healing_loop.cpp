@@ -16,6 +16,8 @@ namespace cyclorama::healing {
 namespace {
 
 constexpr Duration kTryAgainAfter = std::chrono::seconds(1);
+/// Longest time for a step, with its waits for cameras and displays, each of which has a timeout of seconds.
+constexpr Duration kStepTimeout = std::chrono::minutes(10);
 constexpr Duration kKeepEvery = std::chrono::minutes(10);
 constexpr int kGivesWay = 10;
 
@@ -73,12 +75,14 @@ HealingLoop::Held::Held(HealingLoop* loop) : loop_(*loop) {
 
 HealingLoop::Held::~Held() {
   loop_.lacks_ = "it has only begun";
+  loop_.liveness_.expect_by(loop_.clock_.now() + kStepTimeout);
   --loop_.holders_;
 }
 
 void HealingLoop::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const TimePoint begun = clock_.now();
+    liveness_.expect_by(begun + kStepTimeout);
     Duration pause = options_.period;
     {
       const std::lock_guard lock(working_);

@@ -15,6 +15,7 @@
 #include "appliance/healing/healing_health.h"
 #include "appliance/healing/healing_start.h"
 #include "appliance/healing/show_record.h"
+#include "common/base/liveness.h"
 #include "common/wire/inspection_service.h"
 
 namespace cyclorama::healing {
@@ -79,6 +80,9 @@ class HealingLoop {
   /// Places all cameras and saves their poses. Precondition: the caller has a Held. Errors: those of
   /// healing::place_cameras(); kNotFound if no camera watches, or there is no calibration.
   Result<std::vector<PlacedCamera>> place_cameras(std::stop_token stop);
+  /// False while a step takes far longer than any should: the thread, a camera or a display hangs. While it is held,
+  /// this is true.
+  [[nodiscard]] bool moves_on() const { return holders_ > 0 || liveness_.is_alive(clock_.now()); }
 
  private:
   struct Watching;
@@ -104,6 +108,7 @@ class HealingLoop {
   std::unique_ptr<Watching> watching_;  ///< Null before the start, and while the wall is not watched.
   std::string lacks_;                   ///< Reason why watching_ is null.
   std::atomic<int> holders_{0};
+  Liveness liveness_;
   std::mutex mutex_;
   std::condition_variable_any woken_;
   std::jthread thread_;  ///< Last member, so that it ends before the others are destroyed.

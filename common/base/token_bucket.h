@@ -7,8 +7,8 @@
 
 namespace cyclorama {
 
-/// Limits a rate, with a reserve for bursts. Taking always succeeds, and returns the time from which more may be taken.
-/// A value; thread-bound.
+/// Limits a rate, with a reserve for bursts, which is full at first. Taking always succeeds, and returns the time from
+/// which more may be taken. A value; thread-bound.
 class TokenBucket {
  public:
   /// `per_second` 0: no limit. `burst`: amount that may be taken at once from a full bucket; 0: time without use is not
@@ -32,7 +32,7 @@ class TokenBucket {
   }
   double per_second_;
   Duration reserve_;
-  TimePoint paid_at_{};
+  TimePoint paid_at_ = TimePoint::min();  // The clock may be younger than the burst.
 };
 
 }  // namespace cyclorama

@@ -77,5 +77,5 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
 endforeach()
 set(CPACK_DEBIAN_FARM_PACKAGE_DEPENDS "systemd, openssl, cyclorama-command")  # openssl: for cyclorama-authority.
 set(CPACK_DEBIAN_NODE_PACKAGE_DEPENDS "systemd, cyclorama-command")
-set(CPACK_DEBIAN_MUSEUM_PACKAGE_DEPENDS "systemd, cyclorama-command, cyclorama-provision, libgl1-mesa-dri, tzdata")  # libgl1-mesa-dri and tzdata are opened at run time.
+set(CPACK_DEBIAN_MUSEUM_PACKAGE_DEPENDS "systemd, cyclorama-command, cyclorama-provision, libgl1-mesa-dri, tzdata, fonts-dejavu-core, fonts-droid-fallback")  # The last four are opened at run time.
 include(CPack)

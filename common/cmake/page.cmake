@@ -14,5 +14,7 @@ function(project_page)
     COMMAND ${CMAKE_COMMAND} -D "OUTPUT=${made}" -D "HEADER=${arg_HEADER}" -D "FUNCTION=${arg_FUNCTION}"
             -D "FILES=${files}" -P "${PROJECT_SOURCE_DIR}/common/cmake/embed_page.cmake"
     VERBATIM)
+  # Two such sources define the same names.
+  set_source_files_properties("${made}" PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   set(${arg_SOURCE} "${made}" PARENT_SCOPE)
 endfunction()

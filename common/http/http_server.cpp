@@ -1,23 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/http/http_server.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <httplib.h>
 #include <openssl/bio.h>
 #include <openssl/pem.h>
 #include <openssl/ssl.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
-#include <type_traits>
+#include <string_view>
+#include <utility>
 
 #include "common/base/address.h"
 #include "common/base/text.h"
+#include "common/base/unique_fd.h"
+#include "common/http/answer_buffer.h"
+#include "common/http/http_loop.h"
 
 namespace cyclorama {
 namespace {
-
-constexpr auto kStartsWithin = std::chrono::seconds(5);
 
 int http_status(const Error& error) {
   switch (error.code()) {
@@ -35,24 +39,70 @@ int http_status(const Error& error) {
   }
 }
 
-/// Makes a pool of threads. cpp-httplib of Debian 13 can limit its queue of connections; that of Debian 12 cannot.
-template <typename Pool>
-Pool* make_pool(const HttpLimits& limits) {
-  if constexpr (std::is_constructible_v<Pool, std::size_t, std::size_t>) {
-    return new Pool(limits.threads, limits.max_waiting);
-  } else {
-    return new Pool(limits.threads);
+/// The routes of cpp-httplib without its way to serve sockets, which gives each connection a thread, however slow its
+/// client is.
+class Router final : public httplib::Server {
+ public:
+  /// Answers one whole request. Returns whether the connection is to be closed.
+  bool answer(httplib::Stream& stream, const std::string& peer) {
+    bool closes = false;
+    const auto nothing = [](httplib::Request&) {};
+    // The library of Debian 13 takes addresses as arguments; that of Debian 12 requests them from the stream.
+    const auto processed = [&](auto& self) {
+      if constexpr (requires { self.process_request(stream, false, closes, nothing); }) {
+        return self.process_request(stream, false, closes, nothing);
+      } else {
+        return self.process_request(stream, peer, 0, std::string(), 0, false, closes, nothing);
+      }
+    };
+    return !processed(*this) || closes;
   }
-}
+  /// Returns the socket of bind_to_port(). The server keeps its number, by which streamed answers see that it runs.
+  [[nodiscard]] UniqueFd listener() const { return UniqueFd(::fcntl(svr_sock_, F_DUPFD_CLOEXEC, 0)); }
+  /// Ends streamed answers. Idempotent.
+  void close() {
+    if (const socket_t socket = svr_sock_.exchange(INVALID_SOCKET); socket != INVALID_SOCKET) ::close(socket);
+  }
+  ~Router() override { close(); }
+};
+
+/// A whole request as cpp-httplib reads it, and its answer as cpp-httplib writes it.
+class MemoryStream final : public httplib::Stream {
+ public:
+  /// Both are borrowed.
+  MemoryStream(const HttpLoop::Request& request, AnswerBuffer* answer)
+      : rest_(request.bytes), peer_(request.peer), answer_(answer) {}
+  [[nodiscard]] bool is_readable() const override { return !rest_.empty(); }
+  [[nodiscard]] bool is_writable() const override { return is_open_; }
+  ssize_t read(char* bytes, std::size_t size) override {
+    const std::size_t count = rest_.copy(bytes, size);
+    rest_.remove_prefix(count);
+    return static_cast<ssize_t>(count);
+  }
+  ssize_t write(const char* bytes, std::size_t size) override {
+    is_open_ = answer_->append({bytes, size});
+    return is_open_ ? static_cast<ssize_t>(size) : -1;
+  }
+  void get_remote_ip_and_port(std::string& ip, int& port) const override {
+    ip = peer_;
+    port = 0;
+  }
+  void get_local_ip_and_port(std::string& ip, int& port) const override {
+    ip.clear();
+    port = 0;
+  }
+  [[nodiscard]] socket_t socket() const override { return INVALID_SOCKET; }
+
+ private:
+  std::string_view rest_;
+  const std::string& peer_;
+  AnswerBuffer* const answer_;
+  bool is_open_ = true;
+};
 
 void set_limits(httplib::Server& server, const HttpLimits& limits) {
-  server.new_task_queue = [limits] { return make_pool<httplib::ThreadPool>(limits); };
-  server.set_read_timeout(2);
-  server.set_write_timeout(5);
-  server.set_keep_alive_timeout(2);
   server.set_keep_alive_max_count(1000);
   server.set_payload_max_length(limits.max_body_bytes);
-  server.set_tcp_nodelay(true);
   // Replaces httplib's SO_REUSEPORT, which would distribute visitors at random between two servers on one port.
   server.set_socket_options([](socket_t socket) {
     const int yes = 1;
@@ -85,25 +135,21 @@ using Key = std::unique_ptr<EVP_PKEY, decltype([](EVP_PKEY* key) { EVP_PKEY_free
 
 Bio bio_of(const std::string& text) { return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size()))); }
 
-bool use(const HttpTls& tls, SSL_CTX* context) {
+using TlsContext = std::unique_ptr<SSL_CTX, decltype([](SSL_CTX* context) { SSL_CTX_free(context); })>;
+
+Result<TlsContext> make_context(const HttpTls& tls) {
+  TlsContext context(SSL_CTX_new(TLS_server_method()));
   const Certificate certificate(PEM_read_bio_X509(bio_of(tls.certificate_pem).get(), nullptr, nullptr, nullptr));
   const auto no_pass_phrase = [](char*, int, int, void*) { return -1; };
   const Key key(PEM_read_bio_PrivateKey(bio_of(tls.key_pem).get(), nullptr, no_pass_phrase, nullptr));
-  return certificate && key && SSL_CTX_set_min_proto_version(context, TLS1_3_VERSION) == 1 &&
-         SSL_CTX_use_certificate(context, certificate.get()) == 1 && SSL_CTX_use_PrivateKey(context, key.get()) == 1 &&
-         SSL_CTX_check_private_key(context) == 1;
-}
-
-Result<std::unique_ptr<httplib::Server>> make_server(const std::optional<HttpTls>& tls) {
-  if (!tls) return std::make_unique<httplib::Server>();
-  std::unique_ptr<httplib::Server> server =
-      std::make_unique<httplib::SSLServer>([&](SSL_CTX& context) { return use(*tls, &context); });
-  if (!server->is_valid()) {
-    return Error(ErrorCode::kBadData,
-                 "the page's certificate and key do not belong together; remove both, new ones are "
-                 "made at the next start");
-  }
-  return server;
+  const bool is_good =
+      context && certificate && key && SSL_CTX_set_min_proto_version(context.get(), TLS1_3_VERSION) == 1 &&
+      SSL_CTX_use_certificate(context.get(), certificate.get()) == 1 &&
+      SSL_CTX_use_PrivateKey(context.get(), key.get()) == 1 && SSL_CTX_check_private_key(context.get()) == 1;
+  if (is_good) return context;
+  return Error(ErrorCode::kBadData,
+               "the page's certificate and key do not belong together; remove both, new ones are "
+               "made at the next start");
 }
 
 }  // namespace
@@ -127,38 +173,60 @@ void serve_page(httplib::Server& server, std::span<const PageFile> files) {
   }
 }
 
-HttpServer::HttpServer(std::unique_ptr<httplib::Server> server) : server_(std::move(server)) {}
+/// In the order of their dependence: the loop ends first.
+struct HttpServer::Parts {
+  Router router;
+  TlsContext context;
+  std::unique_ptr<HttpLoop> loop;
+};
+
+HttpServer::HttpServer() : parts_(std::make_unique<Parts>()) {}
+
+const Clock& HttpServer::machine_clock() {
+  static const SteadyClock clock;
+  return clock;
+}
 
 Result<std::unique_ptr<HttpServer>> HttpServer::start(const std::string& address, const HttpLimits& limits,
                                                       const std::function<void(httplib::Server&)>& routes,
-                                                      const std::optional<HttpTls>& tls) {
+                                                      const std::optional<HttpTls>& tls, const Clock& clock) {
   TRY_ASSIGN(const Address place, parse_address(address));
-  TRY_ASSIGN(std::unique_ptr<httplib::Server> made, make_server(tls));
-  auto page = std::unique_ptr<HttpServer>(new HttpServer(std::move(made)));
-  httplib::Server& server = *page->server_;
-  set_limits(server, limits);
-  routes(server);
-  serve_mistakes(server);
-  const bool bound = place.port == 0 ? (page->port_ = server.bind_to_any_port(place.host)) > 0
-                                     : server.bind_to_port(place.host, page->port_ = place.port);
-  if (!bound) {
+  auto page = std::unique_ptr<HttpServer>(new HttpServer());
+  if (tls) {
+    TRY_ASSIGN(page->parts_->context, make_context(*tls));
+  }
+  Router& router = page->parts_->router;
+  set_limits(router, limits);
+  routes(router);
+  serve_mistakes(router);
+  const bool bound = place.port == 0 ? (page->port_ = router.bind_to_any_port(place.host)) > 0
+                                     : router.bind_to_port(place.host, page->port_ = place.port);
+  UniqueFd listener = bound ? router.listener() : UniqueFd();
+  // The library's backlog of five would drop clients whenever more than that connect at once.
+  if (!listener.is_open() || ::fcntl(listener.get(), F_SETFL, O_NONBLOCK) != 0 ||
+      ::listen(listener.get(), SOMAXCONN) != 0) {
     return Error(ErrorCode::kBusy, fmt::format("cannot listen on {}: the port is taken, or the address is not of this "
                                                "machine; stop the other program or choose another",
                                                address));
   }
-  page->listener_ = std::thread([&server] { server.listen_after_bind(); });
-  // stop() works only on a running server, and httplib does not report the start.
-  const TimePoint deadline = SteadyClock().now() + kStartsWithin;
-  while (!server.is_running() && SteadyClock().now() < deadline) std::this_thread::yield();
+  HttpLoop::Options options;
+  options.threads = limits.threads;
+  options.max_connections = limits.max_connections;
+  options.connection.max_body_bytes = limits.max_body_bytes;
+  const auto answer = [&router](const HttpLoop::Request& request, AnswerBuffer& buffer) {
+    MemoryStream stream(request, &buffer);
+    return router.answer(stream, request.peer);
+  };
+  page->parts_->loop =
+      std::make_unique<HttpLoop>(std::move(listener), page->parts_->context.get(), options, answer, clock);
   return page;
 }
 
 HttpServer::~HttpServer() { stop(); }
 
 void HttpServer::stop() {
-  if (!listener_.joinable()) return;
-  server_->stop();
-  listener_.join();
+  parts_->router.close();
+  parts_->loop.reset();
 }
 
 }  // namespace cyclorama

@@ -9,7 +9,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <thread>
 
 #include "common/base/clock.h"
 #include "common/base/result.h"
@@ -23,9 +22,8 @@ struct Response;
 namespace cyclorama {
 
 struct HttpLimits {
-  std::size_t threads = 24;  ///< Each connection occupies one thread; a browser holds six connections.
-  /// Maximum number of connections that wait for a thread, if the library can limit them.
-  std::size_t max_waiting = 64;
+  std::size_t threads = 24;           ///< Each whole request occupies one while it is answered.
+  std::size_t max_connections = 512;  ///< A browser holds six.
   std::size_t max_body_bytes = 4096;
 };
 
@@ -42,17 +40,18 @@ void answer_error(const Error& error, httplib::Response& response);
 /// Adds a GET handler for each file.
 void serve_page(httplib::Server& server, std::span<const PageFile> files);
 
-/// An HTTP server with a `listen` thread and a fixed pool of threads. Connections that are silent for some seconds are
-/// closed, and bodies beyond the limit are refused. Every answer has a content security policy that allows nothing from
-/// other sources, and forbids caching. Thread-bound.
+/// An HTTP server: HttpLoop reads requests and sends answers with deadlines (ConnectionLimits), and cpp-httplib parses
+/// and routes those that are whole. Bodies beyond the limit are refused. Every answer has a content security policy that
+/// allows nothing from other sources, and forbids caching. Thread-bound.
 class HttpServer {
  public:
   /// Starts serving; port 0 selects a free one. `routes` adds the handlers, which are called on the pool's threads.
-  /// Errors: those of parse_address(); kBusy if the port is taken or the address is not of this machine; kBadData if
-  /// `tls` is not a certificate with its key.
+  /// `clock` is borrowed, and decides deadlines alone. Errors: those of parse_address(); kBusy if the port is taken or
+  /// the address is not of this machine; kBadData if `tls` is not a certificate with its key.
   static Result<std::unique_ptr<HttpServer>> start(const std::string& address, const HttpLimits& limits,
                                                    const std::function<void(httplib::Server&)>& routes,
-                                                   const std::optional<HttpTls>& tls = std::nullopt);
+                                                   const std::optional<HttpTls>& tls = std::nullopt,
+                                                   const Clock& clock = machine_clock());
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
@@ -62,10 +61,13 @@ class HttpServer {
   void stop();
 
  private:
-  explicit HttpServer(std::unique_ptr<httplib::Server> server);
-  std::unique_ptr<httplib::Server> server_;
+  struct Parts;
+  HttpServer();
+  /// This machine's clock, which lives as long as the program.
+  static const Clock& machine_clock();
+
+  std::unique_ptr<Parts> parts_;
   int port_ = 0;
-  std::thread listener_;
 };
 
 }  // namespace cyclorama

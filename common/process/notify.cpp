@@ -19,7 +19,7 @@ void Notify::status(const std::string& sentence) { sd_notify(0, ("STATUS=" + sen
 void Notify::stopping() { sd_notify(0, "STOPPING=1"); }
 
 void Notify::keep_alive(TimePoint now) {
-  if (period_ == Duration::zero() || now < next_) return;
+  if (!is_due(now)) return;
   next_ = now + period_;
   sd_notify(0, "WATCHDOG=1");
 }

@@ -18,6 +18,8 @@ class Notify {
   void starting(Duration wait);
   void status(const std::string& sentence);
   void stopping();
+  /// True if keep_alive() would notify the watchdog now, for proofs that cost something.
+  [[nodiscard]] bool is_due(TimePoint now) const { return period_ != Duration::zero() && now >= next_; }
   /// Notifies the watchdog, at most twice per watchdog period, however often it is called.
   void keep_alive(TimePoint now);
 

@@ -12,6 +12,7 @@ namespace {
 constexpr double kDead = 0.15;      // Dead zone, as a fraction of a stick's travel: worn sticks rest off centre.
 constexpr double kCapFull = 350.0;  // Value that 3D mice report at full deflection of the cap.
 constexpr double kCapDead = 0.08;
+constexpr std::int32_t kPress = 1;  // 2 is a repetition of a key that is held.
 
 /// Returns 0 up to `dead`, then a gentle increase.
 double gentle(double deflection, double dead) {
@@ -48,6 +49,7 @@ std::optional<InputKind> kind_of(const InputDescription& description) {
   const bool relative_cap = description.relative.contains(REL_RX) && description.relative.contains(REL_RZ);
   if (relative_cap || has(description, {ABS_X, ABS_Y, ABS_Z, ABS_RX, ABS_RY, ABS_RZ})) return InputKind::kSpaceMouse;
   if (keys.contains(KEY_UP) && keys.contains(KEY_LEFT) && keys.contains(KEY_W)) return InputKind::kKeyboard;
+  if (keys.contains(KEY_F1) || keys.contains(KEY_HELP)) return InputKind::kKeyboard;
   return std::nullopt;
 }
 
@@ -67,6 +69,7 @@ void InputSteering::take(const InputEvent& event, TimePoint at) {
   switch (event.type) {
     case EV_KEY:
       if (event.value == 0) pressed_.erase(event.code);
+      if (event.value == kPress && (event.code == KEY_F1 || event.code == KEY_HELP)) ++help_presses_;
       if (event.value != 0 && description_.keys.contains(event.code)) {
         const bool is_new = pressed_.insert(event.code).second;
         if (is_new && event.code == step_keys(kind_).next) ++steps_;

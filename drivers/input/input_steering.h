@@ -8,6 +8,7 @@
 ///
 ///   next       right shoulder     Page Down            right button           of the tour's stops
 ///   previous   left shoulder      Page Up              left button            (presenters' clickers are keyboards)
+///   help       –                   F1, Help             –
 ///
 /// Event codes are those of linux/input-event-codes.h. Nothing here accesses a device.
 #pragma once
@@ -71,6 +72,8 @@ class InputSteering {
   [[nodiscard]] InputCommand command(TimePoint now) const;
   /// Returns how often "next" was pressed since the last call, less how often "previous" was. Holding a key counts once.
   [[nodiscard]] int take_steps() { return std::exchange(steps_, 0); }
+  /// Number of presses of Help or F1 so far.
+  [[nodiscard]] unsigned help_presses() const { return help_presses_; }
 
   /// Time after which a relative axis counts as released: a 3D mouse that reports relative axes sends no event on
   /// release.
@@ -89,6 +92,7 @@ class InputSteering {
   InputDescription description_;
   std::set<int> pressed_;
   int steps_ = 0;
+  unsigned help_presses_ = 0;
   std::map<int, std::int32_t> absolute_;
   std::map<int, Moved> relative_;
 };

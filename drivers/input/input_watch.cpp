@@ -51,11 +51,13 @@ void InputWatch::update(TimePoint now) {
 }
 
 bool InputWatch::read(Open* open, TimePoint now) {
+  const unsigned helped_before = open->steering.help_presses();
   for (int i = 0; i < kMaxEvents; ++i) {
     const auto event = open->device->next();
     if (!event) return false;
     if (!*event) return true;
     open->steering.take(**event, now);
+    is_help_wanted_ = is_help_wanted_ || open->steering.help_presses() != helped_before;
   }
   return true;
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/result.h"
@@ -42,6 +43,8 @@ class InputWatch {
   [[nodiscard]] InputCommand command(TimePoint now) const;
   /// Returns InputSteering::take_steps() of all devices together.
   [[nodiscard]] int take_steps();
+  /// Returns whether Help was pressed on any keyboard since the last call.
+  bool take_help() { return std::exchange(is_help_wanted_, false); }
   /// State in sentences for people: "gamepad 'Pad 3'", or a device that cannot be opened, with the reason.
   [[nodiscard]] std::vector<std::string> sentences() const;
   [[nodiscard]] std::size_t open_count() const { return open_.size(); }
@@ -53,10 +56,11 @@ class InputWatch {
   };
   void look();
   /// Returns false once the device is gone.
-  static bool read(Open* open, TimePoint now);
+  bool read(Open* open, TimePoint now);
   InputDevices devices_;
   TimePoint looked_at_{};
   bool looked_ = false;
+  bool is_help_wanted_ = false;
   std::map<std::string, Open> open_;
   std::set<std::string> useless_;
   std::map<std::string, std::string> failures_;

@@ -13,9 +13,14 @@
 #include "common/process/program.h"
 #include "kiosk/operator/page_certificate.h"
 #include "kiosk/operator/page_server.h"
+#include "kiosk/operator/reach_writer.h"
+#include "kiosk/operator/self_check.h"
 
 namespace cyclorama::operations {
 namespace {
+
+constexpr Duration kSupervisePeriod = std::chrono::milliseconds(500);
+constexpr Duration kReachPeriod = std::chrono::seconds(5);
 
 struct Options {
   std::string listen = "[::1]:8443";
@@ -26,6 +31,8 @@ struct Options {
   std::optional<std::string> keep;
   std::optional<std::string> calibrator;
   std::optional<std::string> requests;
+  std::optional<std::string> reach;
+  bool has_mdns = false;
 };
 
 void add_options(CLI::App& app, Options* options) {
@@ -43,6 +50,9 @@ void add_options(CLI::App& app, Options* options) {
       app.add_flag("--no-pin", options->has_no_pin, "Serve HTTP without PIN and encryption, to this computer only");
   no_pin->excludes("--keep");
   app.add_option("--calibrator", options->calibrator, "HOST:PORT of the calibrator");
+  app.add_option("--reach", options->reach,
+                 "File to write how the page is reached, which the wall shows when somebody requests help");
+  app.add_flag("--mdns", options->has_mdns, "This computer answers to NAME.local, so the wall shows that, too");
   app.add_option("--requests", options->requests,
                  "Folder for requests to the system: a file 'update' or 'factory-reset' triggers a systemd unit");
 }
@@ -67,6 +77,33 @@ Result<OperatorAccess> make_access(const Options& options, const Clock& clock) {
   access.tls = HttpTls{access.certificate->certificate_pem, access.certificate->key_pem};
   access.sessions = std::make_unique<Sessions>(clock, MuseumState{*options.museum}.pin_file());
   return access;
+}
+
+/// Until the stop, lets the page answer itself, feeds the watchdog whenever it does, so that systemd restarts a page
+/// that does not, and reports to the display. `reach` may be null.
+void watch_over(const SelfCheck& check, ReachWriter* reach, const StopSignal& stop, Notify* notify) {
+  std::string trouble;
+  const auto report = [&](const Status& done) {
+    const std::string sentence = done ? "" : done.error().message();
+    if (sentence == trouble) return;
+    trouble = sentence;
+    notify->status(trouble.empty() ? "all is well again" : trouble);
+    log(trouble.empty() ? LogLevel::kNotice : LogLevel::kError, trouble.empty() ? "all is well again" : trouble);
+  };
+  TimePoint reach_at{};
+  while (!stop.wait_until(SteadyClock().now() + kSupervisePeriod)) {
+    const TimePoint now = SteadyClock().now();
+    const bool is_reach_due = reach != nullptr && now >= reach_at;
+    if (!is_reach_due && !notify->is_due(now)) continue;
+    Status done = check.run();
+    if (done) notify->keep_alive(SteadyClock().now());
+    if (is_reach_due) {
+      reach_at = now + kReachPeriod;
+      const Status written = reach->write(done.has_value(), SteadyClock().now());
+      if (done) done = written;
+    }
+    report(done);
+  }
 }
 
 Status run(const Options& options, const StopSignal& stop) {
@@ -101,9 +138,16 @@ Status run(const Options& options, const StopSignal& stop) {
     log(LogLevel::kInfo, fmt::format("its certificate is good until {}; SHA-256 {}", access.certificate->until,
                                      access.certificate->fingerprint));
   }
+  const SelfCheck check(options.listen, page->port(), access.certificate ? SelfCheck::kTls : SelfCheck::kPlain);
+  std::optional<ReachWriter> reach;
+  if (options.reach) {
+    reach.emplace(
+        ReachWriter::Options{*options.reach, page->port(), museum.fingerprint, options.has_mdns, museum.support.museum},
+        access.sessions.get());
+  }
   Notify notify;
   notify.ready();
-  while (!stop.wait_until(SteadyClock().now() + std::chrono::seconds(1))) notify.keep_alive(SteadyClock().now());
+  watch_over(check, reach ? &*reach : nullptr, stop, &notify);
   notify.stopping();
   page->stop();
   return Done{};

@@ -14,21 +14,25 @@
 namespace cyclorama::operations {
 namespace {
 
-constexpr std::string_view kCookie = "__Host-cyclorama=";
+constexpr std::string_view kSessionCookie = "__Host-cyclorama=";
+/// Outlives sessions: it lets a device try PINs while others' wrong PINs are refused unread.
+constexpr std::string_view kDeviceCookie = "__Host-cyclorama-device=";
+constexpr std::string_view kCookieRules = "; Path=/; Secure; HttpOnly; SameSite=Strict";
+constexpr int kDeviceCookieMaxAge_s = 400 * 86400;  // Browsers keep no cookie longer.
 
 void refuse(int status, const std::string& why, httplib::Response& response) {
   response.status = status;
   response.set_content(error_json(Error(ErrorCode::kBadData, why)), kJsonType);
 }
 
-/// Returns the session's token; empty if there is none.
-std::string token_in(const httplib::Request& request) {
+/// Returns the value of a cookie; empty if there is none.
+std::string cookie_in(const httplib::Request& request, std::string_view name) {
   const std::string cookies = request.get_header_value("Cookie");
   for (std::size_t at = 0; at < cookies.size();) {
     const std::size_t end = std::min(cookies.find(';', at), cookies.size());
     std::string_view one = std::string_view(cookies).substr(at, end - at);
     while (one.starts_with(' ')) one.remove_prefix(1);
-    if (one.starts_with(kCookie)) return std::string(one.substr(kCookie.size()));
+    if (one.starts_with(name)) return std::string(one.substr(name.size()));
     at = end + 1;
   }
   return "";
@@ -77,7 +81,7 @@ bool lets_pass(const httplib::Request& request, Sessions* sessions, std::span<co
       (request.method == "POST" && request.path == "/login") || (!changes && request.path == "/door") ||
       (!changes &&
        std::any_of(login.begin(), login.end(), [&](const PageFile& file) { return file.path == request.path; }));
-  if (is_open_to_all || sessions->is_open(token_in(request))) return true;
+  if (is_open_to_all || sessions->is_open(cookie_in(request, kSessionCookie))) return true;
   if (request.method == "GET" && request.path == "/") {
     response.set_redirect("/login.html", 303);
   } else {
@@ -103,22 +107,28 @@ void serve_login(httplib::Server& server, Sessions* sessions, std::function<std:
   server.Post("/login", [sessions, told](const httplib::Request& request, httplib::Response& response) {
     const nlohmann::json json = nlohmann::json::parse(request.body, nullptr, false);
     const auto pin = json.is_object() ? json.find("pin") : json.end();
+    const std::string wall_code = json.is_object() && json.contains("wall") && json["wall"].is_string()
+                                      ? json["wall"].get<std::string>()
+                                      : std::string();
     if (!json.is_object() || pin == json.end() || !pin->is_string()) {
       return refuse(400, "send {\"pin\": \"...\"}", response);
     }
-    const auto token = sessions->open(pin->get_ref<const std::string&>(), request.remote_addr);
-    if (!token) {
-      if (token.error().code() == ErrorCode::kInvalidArgument) return refuse(403, token.error().message(), response);
-      if (token.error().code() != ErrorCode::kNotFound) return answer_error(token.error(), response);
+    const std::string device = cookie_in(request, kDeviceCookie);
+    const auto login = sessions->open(pin->get_ref<const std::string&>(), request.remote_addr, {device, wall_code});
+    if (!login) {
+      if (login.error().code() == ErrorCode::kInvalidArgument) return refuse(403, login.error().message(), response);
+      if (login.error().code() != ErrorCode::kNotFound) return answer_error(login.error(), response);
       const std::string why = sentences_of(told());
-      return answer_error(why.empty() ? token.error() : Error(ErrorCode::kNotFound, why), response);
+      return answer_error(why.empty() ? login.error() : Error(ErrorCode::kNotFound, why), response);
     }
-    response.set_header("Set-Cookie", fmt::format("{}{}; Path=/; Secure; HttpOnly; SameSite=Strict", kCookie, *token));
+    response.set_header("Set-Cookie", fmt::format("{}{}{}", kSessionCookie, login->session, kCookieRules));
+    response.set_header("Set-Cookie", fmt::format("{}{}{}; Max-Age={}", kDeviceCookie, login->device, kCookieRules,
+                                                  kDeviceCookieMaxAge_s));
     response.status = 204;
   });
   server.Post("/logout", [sessions](const httplib::Request& request, httplib::Response& response) {
-    sessions->close(token_in(request));
-    response.set_header("Set-Cookie", fmt::format("{}; Path=/; Secure; HttpOnly; SameSite=Strict; Max-Age=0", kCookie));
+    sessions->close(cookie_in(request, kSessionCookie));
+    response.set_header("Set-Cookie", fmt::format("{}{}; Max-Age=0", kSessionCookie, kCookieRules));
     response.status = 204;
   });
 }

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kiosk/operator/sessions.h"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
+#include <openssl/crypto.h>
+#include <openssl/evp.h>
+#include <openssl/hmac.h>
 #include <openssl/rand.h>
+#include <openssl/sha.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "common/base/file.h"
+#include "common/http/peer_network.h"
 #include "kiosk/provision/pin.h"
 
 namespace cyclorama::operations {
@@ -17,57 +23,79 @@ namespace {
 
 constexpr std::size_t kTokenBytes = 32;
 constexpr std::size_t kMaxPinFileBytes = 4096;
-constexpr std::size_t kMaxNetworks = 1000;
+constexpr std::size_t kWallCodeLength = 16;  // 64 bits: it is valid for minutes, and must fit into a QR code.
+constexpr const char* kWall = "wall";        // No name of a device, which is longer.
+constexpr std::size_t kMaxClients = 1000;
 constexpr auto kForgiveAfter = std::chrono::hours(1);
+
+std::string hexadecimal(std::span<const unsigned char> bytes) {
+  std::string text;
+  for (const unsigned char byte : bytes) text += fmt::format("{:02x}", byte);
+  return text;
+}
 
 Result<std::string> new_token() {
   std::array<unsigned char, kTokenBytes> bytes{};
   if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) {
     return Error(ErrorCode::kSystem, "this computer's random number generator fails");
   }
-  std::string token;
-  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
-  return token;
+  return hexadecimal(bytes);
 }
 
-Error wait_for(Duration time) {
-  return {ErrorCode::kBusy, fmt::format("too many wrong PINs; try again in {:.0f} s", std::ceil(to_seconds(time)))};
+/// Returns the text by which a device proves that it had a name from this computer while the PIN's hash was `hash`: the
+/// hash is salted and never leaves this computer, so it serves as the key, and a new PIN makes all devices unknown.
+std::string device_proof(std::string_view name, std::string_view hash) {
+  std::array<unsigned char, SHA256_DIGEST_LENGTH> code{};
+  const auto* const text = reinterpret_cast<const unsigned char*>(name.data());
+  if (HMAC(EVP_sha256(), hash.data(), static_cast<int>(hash.size()), text, name.size(), code.data(), nullptr) ==
+      nullptr) {
+    return "";
+  }
+  return fmt::format("{}.{}", name, hexadecimal(code));
+}
+
+/// Returns the name of a known device; empty for every other text.
+std::string known_device(std::string_view device, std::string_view hash) {
+  const std::string_view name = device.substr(0, std::min(device.find('.'), device.size()));
+  const std::string proof = device_proof(name, hash);
+  const bool is_known = proof.size() == device.size() && CRYPTO_memcmp(proof.data(), device.data(), proof.size()) == 0;
+  return is_known ? std::string(name) : "";
+}
+
+Error wait_for(Duration time, bool has_own_tries) {
+  return {ErrorCode::kBusy, fmt::format("too many wrong PINs; try again in {:.0f} s{}", std::ceil(to_seconds(time)),
+                                        has_own_tries ? ""
+                                                      : ", or with a device that has logged in before, "
+                                                        "or press Help at the wall and scan its code")};
 }
 
 }  // namespace
-
-std::string network_of(const std::string& address) {
-  std::array<unsigned char, 16> bytes{};
-  if (::inet_pton(AF_INET6, address.c_str(), bytes.data()) != 1) return address;
-  const bool is_mapped = std::all_of(bytes.begin(), bytes.begin() + 10, [](unsigned char b) { return b == 0; }) &&
-                         bytes[10] == 0xff && bytes[11] == 0xff;
-  if (is_mapped) return fmt::format("{}.{}.{}.{}", bytes[12], bytes[13], bytes[14], bytes[15]);
-  return fmt::format("{:x}:{:x}:{:x}:{:x}", bytes[0] << 8 | bytes[1], bytes[2] << 8 | bytes[3],
-                     bytes[4] << 8 | bytes[5], bytes[6] << 8 | bytes[7]);
-}
 
 Sessions::Sessions(const Clock& clock, std::filesystem::path pin_file, SessionRules rules)
     : clock_(clock),
       pin_file_(std::move(pin_file)),
       rules_(rules),
-      wrong_of_all_(rules.tries_per_minute / 60.0, rules.tries_at_once) {}
+      wrong_of_unknown_(rules.tries_per_hour / 3600.0, rules.tries_at_once) {}
 
-Status Sessions::may_try(const std::string& network, TimePoint now) {
+Status Sessions::may_try(const Client& client, TimePoint now) {
   const std::lock_guard lock(mutex_);
-  if (const auto known = tries_.find(network); known != tries_.end() && known->second.next_at > now) {
-    return wait_for(known->second.next_at - now);
+  const TriesByClient& tries = tries_of(client);
+  TimePoint next_at = client.has_own_tries ? now : wrong_of_unknown_.paid_at();
+  if (const auto found = tries.find(client.name); found != tries.end()) {
+    next_at = std::max(next_at, found->second.next_at);
   }
-  if (wrong_of_all_.paid_at() > now) return wait_for(wrong_of_all_.paid_at() - now);
+  if (next_at > now) return wait_for(next_at - now, client.has_own_tries);
   return Done{};
 }
 
-void Sessions::was_wrong(const std::string& network, TimePoint now) {
+void Sessions::was_wrong(const Client& client, TimePoint now) {
   const std::lock_guard lock(mutex_);
-  wrong_of_all_.take(1.0, now);
-  std::erase_if(tries_, [&](const auto& entry) { return now - entry.second.last_at > kForgiveAfter; });
-  // The limit for all networks together still holds.
-  if (tries_.size() >= kMaxNetworks) tries_.erase(tries_.begin());
-  Tries& tries = tries_[network];
+  if (!client.has_own_tries) wrong_of_unknown_.take(1.0, now);
+  TriesByClient& all = tries_of(client);
+  std::erase_if(all, [&](const auto& entry) { return now - entry.second.last_at > kForgiveAfter; });
+  // The limit for all unknown devices together still holds.
+  if (all.size() >= kMaxClients) all.erase(all.begin());
+  Tries& tries = all[client.name];
   ++tries.wrong;
   tries.last_at = now;
   if (tries.wrong < rules_.free_tries) return;
@@ -81,10 +109,27 @@ void Sessions::forget_old(TimePoint now) {
   });
 }
 
-Result<std::string> Sessions::open(std::string_view pin, const std::string& from) {
+Sessions::Client Sessions::client_of(const std::string& from, const LoginProofs& proofs, std::string_view hash) {
+  if (std::string device = known_device(proofs.device, hash); !device.empty()) return {std::move(device), true};
+  const std::lock_guard lock(mutex_);
+  for (const std::string& code : wall_codes_) {
+    const bool is_right = !code.empty() && code.size() == proofs.wall_code.size() &&
+                          CRYPTO_memcmp(code.data(), proofs.wall_code.data(), code.size()) == 0;
+    if (is_right) return {kWall, true};
+  }
+  return {peer_network(from), false};
+}
+
+Result<std::string> Sessions::renew_wall_code() {
+  TRY_ASSIGN(std::string code, new_token());
+  code.resize(kWallCodeLength);
+  const std::lock_guard lock(mutex_);
+  wall_codes_[1] = std::exchange(wall_codes_[0], code);
+  return code;
+}
+
+Result<Login> Sessions::open(std::string_view pin, const std::string& from, const LoginProofs& proofs) {
   const std::lock_guard one(trying_);
-  const std::string network = network_of(from);
-  TRY(may_try(network, clock_.now()));
   const auto hash = read_text_file(pin_file_, kMaxPinFileBytes);
   if (!hash && hash.error().code() == ErrorCode::kNotFound) {
     return Error(
@@ -92,6 +137,8 @@ Result<std::string> Sessions::open(std::string_view pin, const std::string& from
         "this museum has no PIN yet: plug in a stick whose folder 'cyclorama' has an operator.toml with a pin");
   }
   if (!hash) return hash.error();
+  const Client client = client_of(from, proofs, *hash);
+  TRY(may_try(client, clock_.now()));
   std::string plain;
   for (const char c : pin) {
     if (c != ' ') plain += c;  // Spaces are ignored, as in operator.toml: people write PINs in groups.
@@ -99,19 +146,25 @@ Result<std::string> Sessions::open(std::string_view pin, const std::string& from
   TRY_ASSIGN(const bool is_right, provision::is_pin(plain, *hash));
   const TimePoint now = clock_.now();
   if (!is_right) {
-    was_wrong(network, now);
+    was_wrong(client, now);
     return Error(ErrorCode::kInvalidArgument, "this is not the PIN");
   }
-  TRY_ASSIGN(std::string token, new_token());
+  Login login;
+  TRY_ASSIGN(login.session, new_token());
+  login.device = proofs.device;
+  if (known_device(proofs.device, *hash).empty()) {
+    TRY_ASSIGN(const std::string name, new_token());
+    login.device = device_proof(name, *hash);
+  }
   const std::lock_guard lock(mutex_);
-  tries_.erase(network);
+  tries_of(client).erase(client.name);
   forget_old(now);
   if (sessions_.size() >= rules_.max) {
     sessions_.erase(std::min_element(sessions_.begin(), sessions_.end(),
                                      [](const auto& a, const auto& b) { return a.second.used_at < b.second.used_at; }));
   }
-  sessions_[token] = {now, now};
-  return token;
+  sessions_[login.session] = {now, now};
+  return login;
 }
 
 bool Sessions::is_open(std::string_view token) {

@@ -126,6 +126,25 @@ def check_settings(computer, folder):
     return bad + check_refused(computer, folder, given, stick)
 
 
+def check_name(computer, folder):
+    """The computer's name, under which mDNS finds it, comes from the museum's."""
+    bad = 0
+    settings, name = folder / "named", folder / "name"
+    settings.mkdir()
+    for museum, wanted in (("Hall 3", "hall-3"), ("--Höhle--", "h-hle"), ("", "cyclorama"), ("x" * 80, "x" * 63), ("洞", "cyclorama")):
+        (settings / "site.toml").write_text(f'[hours]\nmuseum = "no"\n[farm]\nmuseum = "{museum}"  # yes\n[display]\nmuseum = "no"\n')
+        computer.run("set-name", CYCLORAMA_SETTINGS=str(settings), CYCLORAMA_NAME_FILE=str(name))
+        bad += expect(f"the museum '{museum}' is {wanted}", name.read_text() == wanted, name.read_text())
+    computer.run("set-name", CYCLORAMA_SETTINGS="/nowhere", CYCLORAMA_NAME_FILE=str(name))
+    bad += expect("without settings it is cyclorama", name.read_text() == "cyclorama")
+    network, resolved = computer.over / "usr/lib/systemd/network", computer.over / "usr/lib/systemd/resolved.conf.d"
+    bad += expect("mDNS is on, and LLMNR off", "MulticastDNS=yes" in (network / "80-cable.network.d/mdns.conf").read_text()
+                  and "MulticastDNS=yes" in sorted(resolved.glob("*.conf"))[-1].read_text()
+                  and "LLMNR=no" in (network / "80-cable.network").read_text() and "LLMNR=no" in (resolved / "cyclorama.conf").read_text())
+    bad += expect("the packet filter lets it through", "ff02::fb udp dport 5353" in (computer.over / "etc/nftables.conf").read_text())
+    return bad
+
+
 def check_refused(computer, folder, given, stick):
     """Credentials and files on the boot partition exist again at the next start."""
     bad = 0
@@ -455,7 +474,7 @@ def main(source, build):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         computer = Computer(pathlib.Path(source).resolve(), pathlib.Path(build).resolve(), folder)
-        bad = check_settings(computer, folder) + check_update(computer, folder) + check_written(computer, folder) + check_requests(computer, folder)
+        bad = check_settings(computer, folder) + check_update(computer, folder) + check_written(computer, folder) + check_requests(computer, folder) + check_name(computer, folder)
         bad += check_farm_updates(computer, folder) + check_fetch_program(pathlib.Path(build).resolve(), folder) + check_health(computer, folder)
         bad += check_farm_host(Computer(pathlib.Path(source).resolve(), pathlib.Path(build).resolve(), folder / "host", "farm-host"), folder)
     print("scripts: ok" if bad == 0 else f"scripts: {bad} failed")

@@ -20,6 +20,7 @@ common/image: common/base
 common/json: common/base
 common/opening: common/base common/config
 common/process: common/base
+common/reach: common/base common/json
 common/room: common/base common/config common/geometry
 common/update: common/base
 common/wand: common/base common/config common/geometry
@@ -63,7 +64,7 @@ appliance/calibrator: appliance/calibration appliance/healing appliance/scan com
 appliance/camera_calibration: appliance/calibration appliance/solve appliance/structured_light appliance/tags
     common/base common/board common/geometry common/image common/process drivers/devices
 appliance/display: appliance/calibration appliance/interchange appliance/warp common/base common/config
-    common/geometry common/image common/opening common/process common/room common/wire drivers/output
+    common/geometry common/image common/opening common/process common/reach common/room common/wire drivers/output
 appliance/hand: appliance/tracker common/base common/process common/wire drivers/input
 appliance/healing: appliance/calibration appliance/scan appliance/solve appliance/structured_light common/base
     common/image common/json common/room common/wire drivers/camera drivers/devices drivers/simulated
@@ -80,7 +81,7 @@ appliance/tracker: appliance/calibration appliance/tags common/base common/confi
 appliance/warp: common/base common/geometry common/image common/room
 
 kiosk/operator: common/base common/board common/config common/http common/image common/opening common/process
-    common/wand common/wire kiosk/provision kiosk/tour kiosk/update
+    common/reach common/wand common/wire kiosk/provision kiosk/tour kiosk/update
 kiosk/provision: common/base common/config common/edid common/image common/opening common/process common/room common/wand
     common/wire kiosk/tour kiosk/update
 kiosk/tour: common/base common/config common/geometry common/json common/process common/wire renderfarm/client

@@ -6,9 +6,15 @@ import { projectorNames } from "./page.js";
 import { ask, press, pressTwice, say } from "./requests.js";
 
 // ---- Checks ----
+// Screen readers say in words what the others see as colour and mark.
+function levelWord(check) {
+  return make("span", { fault: "Fault: ", warning: "Warning: ", ok: "Well: " }[check.level], "spoken");
+}
+
 function checkLine(check) {
   const item = make("li", undefined, check.level);
-  const words = make("span", `${check.title}: ${check.sentence}`);
+  const words = make("span");
+  words.append(levelWord(check), `${check.title}: ${check.sentence}`);
   if (check.remedy) words.append(make("span", check.remedy, "remedy"));
   item.append(words);
   return item;
@@ -21,7 +27,9 @@ function showChecks(checks) {
   byId("needs").replaceChildren(
     ...wrong.map((check) => {
       const item = make("li", undefined, check.level);
-      item.append(make("h3", check.title), make("p", check.sentence));
+      const title = make("h3");
+      title.append(levelWord(check), check.title);
+      item.append(title, make("p", check.sentence));
       if (check.remedy) item.append(make("p", check.remedy, "remedy"));
       return item;
     }),

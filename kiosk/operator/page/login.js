@@ -5,12 +5,21 @@ const pin = byId("pin");
 const note = byId("note");
 const button = document.querySelector("button");
 
+// The QR code on the wall adds the certificate's fingerprint, and a code which proves that somebody has seen the wall.
+const fromWall = new URLSearchParams(location.hash.slice(1));
+addEventListener("hashchange", () => location.reload());
+const fingerprint = fromWall.get("sha256") || "";
+if (/^[0-9A-F]{64}$/.test(fingerprint)) {
+  byId("print-value").textContent = fingerprint.match(/../g).join(":");
+  byId("print").hidden = false;
+}
+
 byId("form").addEventListener("submit", async (event) => {
   event.preventDefault();
   button.disabled = true;
   note.textContent = "";
   try {
-    const answer = await post("/login", { pin: pin.value }, 15000);
+    const answer = await post("/login", { pin: pin.value, wall: fromWall.get("wall") || "" }, 15000);
     if (answer.ok) {
       location.replace("/");
       return;

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <future>
 #include <numbers>
 #include <optional>
 #include <thread>
@@ -15,6 +16,7 @@
 #include "common/wire/channel.h"
 #include "drivers/simulated/museum/presets.h"
 #include "drivers/simulated/turntable/simulated_turntable.h"
+#include "tests/doubles/fake_clock.h"
 
 namespace cyclorama::calibrator {
 namespace {
@@ -225,6 +227,38 @@ TEST_F(CalibratorServiceTest, runs_one_calibration_at_a_time) {
   while (first->Read(&message)) {
   }
   EXPECT_EQ(first->Finish().error_code(), grpc::StatusCode::CANCELLED);
+}
+
+TEST_F(CalibratorServiceTest, reports_that_a_calibration_whose_device_hangs_does_not_move_on) {
+  FakeClock clock;
+  std::promise<void> opening;
+  std::promise<void> hang;
+  CalibratorService service(
+      preset_.installation, folder_,
+      [&]() -> Result<CalibrationDevices> {
+        opening.set_value();
+        hang.get_future().wait();
+        return Error(ErrorCode::kUnavailable, "no camera");
+      },
+      clock, &inspection_);
+  const auto server = *WireServer::start("[::1]:0", {&service});
+  const auto stub = wire::Calibrator::NewStub(*make_channel("[::1]:" + std::to_string(server->port())));
+  clock.advance(std::chrono::hours(10));
+  EXPECT_TRUE(service.moves_on()) << "nothing is to be done";
+  grpc::ClientContext context;
+  const auto reader = stub->Calibrate(&context, {});
+  opening.get_future().wait();
+  EXPECT_TRUE(service.moves_on());
+  clock.advance(std::chrono::minutes(31));
+  EXPECT_FALSE(service.moves_on());
+  hang.set_value();
+  wire::CalibrateProgress message;
+  while (reader->Read(&message)) {
+  }
+  EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_TRUE(service.moves_on());
+  service.stop();
+  server->stop(std::chrono::seconds(5));
 }
 
 TEST_F(CalibratorServiceTest, refuses_to_realign_a_projector_without_a_calibration) {

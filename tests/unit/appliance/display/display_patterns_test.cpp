@@ -7,6 +7,9 @@
 #include <random>
 
 #include "appliance/display/display.h"
+#include "appliance/display/reach_picture.h"
+#include "common/base/file.h"
+#include "common/image/image_file.h"
 #include "common/image/png.h"
 #include "common/wire/calibration.grpc.pb.h"
 #include "drivers/output/shared_picture.h"
@@ -99,6 +102,9 @@ class DisplayPatternsTest : public ::testing::Test {
     options.refresh_hz = 60.0;
     options.attract_times.fade = std::chrono::milliseconds(50);
     options.patterns_idle = patterns_idle_;
+    options.reach = run_dir_ / "reach.json";
+    options.help_pressed = run_dir_ / "help";
+    set_reach(true);
     options.hours = *OpeningHours::parse({"Tue 10:00-18:00"}, "UTC");
     options.system_clock = [this] { return std::chrono::system_clock::now() + system_ahead_.load(); };
     set_hour(12);
@@ -116,6 +122,16 @@ class DisplayPatternsTest : public ::testing::Test {
     std::filesystem::remove_all(run_dir_);
   }
 
+  /// Writes the operator page's file: it answers, and has a PIN or none.
+  PageReach set_reach(bool has_pin) const {
+    PageReach reach;
+    reach.name = "hall-3";
+    reach.addresses = {"https://192.0.2.7:8443/"};
+    reach.has_pin = has_pin;
+    reach.answered_at = clock_.now();
+    EXPECT_TRUE(write_file_atomically(run_dir_ / "reach.json", std::string_view(to_json(reach))));
+    return reach;
+  }
   void set_hour(int hour) {
     const WallTime midnight(std::chrono::sys_days(std::chrono::year(2026) / 11 / 24));  // A Tuesday.
     system_ahead_ = midnight + std::chrono::hours(hour) - std::chrono::system_clock::now();
@@ -194,6 +210,30 @@ TEST_F(DisplayPatternsTest, shows_patterns_exactly_and_then_the_same_show_again)
 
   EXPECT_TRUE(patterns.end().ok());
   EXPECT_EQ(heads(), show) << "as soon as the call has ended";
+}
+
+TEST_F(DisplayPatternsTest, shows_how_to_reach_the_page_without_a_pin_but_not_during_a_calibration) {
+  show_frame(1, 1);
+  const std::vector<RgbImage> show = heads();
+  const PageReach reach = set_reach(false);
+  const auto font = TextFont::open_installed();
+  ASSERT_TRUE(font) << font.error().message();
+  const auto drawn = reach_picture(reach, *font, kWidth, kHeight);
+  ASSERT_TRUE(drawn);
+  const RgbImage help = without_alpha(*drawn);
+  EXPECT_TRUE(wait_until([&] { return heads() == std::vector<RgbImage>{help, help, help}; }));
+  {
+    Patterns patterns(display_->port());
+    ASSERT_TRUE(patterns.show(1, {{"middle", png_of(noise(5))}}));
+    EXPECT_EQ(head("middle"), noise(5));
+    EXPECT_THAT(head("left").data(), Each(0));
+    EXPECT_TRUE(patterns.end().ok());
+  }
+  EXPECT_EQ(head("middle"), help) << "as soon as the call has ended";
+  set_reach(true);
+  EXPECT_TRUE(wait_until([&] { return heads() == show; }));
+  ASSERT_TRUE(write_file_atomically(run_dir_ / "help", std::string_view("x")));
+  EXPECT_TRUE(wait_until([&] { return heads() != show; }));
 }
 
 TEST_F(DisplayPatternsTest, shows_a_hundred_patterns_each_before_its_answer) {

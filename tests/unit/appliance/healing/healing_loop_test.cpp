@@ -192,6 +192,26 @@ TEST_F(HealingLoopTest, corrects_two_projectors_that_are_bumped_at_once) {
   for (const std::string& line : corrections()) EXPECT_THAT(line, Not(HasSubstr("\"projector\": 2"))) << line;
 }
 
+TEST_F(HealingLoopTest, does_not_move_on_while_a_step_hangs) {
+  begin();
+  ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
+  EXPECT_TRUE(loop_->moves_on());
+  {
+    const std::lock_guard hang(stage_.mutex);
+    bool moves_on = true;
+    // The loop may begin one more step, which renews its deadline, before it hangs.
+    for (int i = 0; i < 3 && moves_on; ++i) {
+      clock_.advance(std::chrono::minutes(11));
+      moves_on = loop_->moves_on();
+    }
+    EXPECT_FALSE(moves_on);
+  }
+  EXPECT_TRUE(comes([&] { return loop_->moves_on(); }));
+  const auto held = loop_->hold();
+  clock_.advance(std::chrono::hours(10));
+  EXPECT_TRUE(loop_->moves_on()) << "whoever holds it measures the wall";
+}
+
 TEST_F(HealingLoopTest, names_a_projector_that_is_off_and_uses_it_again_when_it_is_on) {
   begin();
   ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();

@@ -26,6 +26,13 @@ TEST(TokenBucket, keeps_the_mean_rate_and_saves_nothing_without_a_burst) {
   EXPECT_EQ(bucket.paid_at(), start + std::chrono::milliseconds(50'100));
 }
 
+TEST(TokenBucket, permits_the_burst_just_after_the_clock_began) {
+  TokenBucket bucket(1.0 / 3600.0, 3.0);
+  const TimePoint start(std::chrono::seconds(1));
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(bucket.take(1.0, start), start);
+  EXPECT_NEAR(to_seconds(bucket.take(1.0, start) - start), 3600.0, 1e-6);
+}
+
 TEST(TokenBucket, never_waits_without_a_rate) {
   TokenBucket bucket(0.0, 0.0);
   const TimePoint start(std::chrono::seconds(100));

@@ -179,6 +179,26 @@ TEST(InputWatch, ignores_devices_that_cannot_steer_and_retries_those_that_do_not
   EXPECT_EQ(watch.open_count(), 1u);
 }
 
+TEST(InputWatch, notices_presses_of_help_on_any_keyboard_once_each) {
+  FakeMachine machine;
+  auto keys = machine.plugs["a"] = std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{keyboard(), {}, false, false});
+  auto remote = machine.plugs["b"] =
+      std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{{"Remote", {KEY_HELP}, {}, {}}, {}, false, false});
+  InputWatch watch(machine.devices());
+  watch.update(kNow);
+  EXPECT_FALSE(watch.take_help());
+  keys->events = {{EV_KEY, KEY_F1, 1}, {EV_KEY, KEY_F1, 2}};
+  watch.update(kNow + 10ms);
+  EXPECT_TRUE(watch.take_help());
+  EXPECT_FALSE(watch.take_help());
+  keys->events = {{EV_KEY, KEY_F1, 2}, {EV_KEY, KEY_F1, 0}, {EV_KEY, KEY_W, 1}};
+  watch.update(kNow + 20ms);
+  EXPECT_FALSE(watch.take_help()) << "held, and let go";
+  remote->events = {{EV_KEY, KEY_HELP, 1}};
+  watch.update(kNow + 30ms);
+  EXPECT_TRUE(watch.take_help());
+}
+
 TEST(InputWatch, adds_up_devices_and_survives_a_flood_of_events) {
   FakeMachine machine;
   auto keys = machine.plugs["a"] = std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{keyboard(), {}, false, false});

@@ -26,6 +26,7 @@ namespace {
 constexpr Duration kRound = std::chrono::milliseconds(10);
 constexpr Duration kSteerEvery = std::chrono::milliseconds(50);  // The tour holds a command for 300 ms.
 constexpr std::chrono::milliseconds kSteerDeadline(150);
+constexpr std::chrono::milliseconds kStopDeadline(1000);  // A press of a button is not repeated, as steering is.
 constexpr Duration kReportPeriod = std::chrono::milliseconds(500);
 
 struct Options {
@@ -47,7 +48,8 @@ void add_options(CLI::App& app, Options* options) {
   app.add_option("--devices", options->devices, "Folder of the kernel's input devices; empty: none")
       ->type_name("FOLDER")
       ->capture_default_str();
-  app.add_option("--osc", options->osc, "Listen here for /cyclorama/pose, /cyclorama/lost, /cyclorama/steer and /cyclorama/stop")
+  app.add_option("--osc", options->osc,
+                 "Listen here for /cyclorama/pose, /cyclorama/lost, /cyclorama/steer and /cyclorama/stop")
       ->type_name("HOST:PORT");
   app.add_option("--vrpn", options->vrpn, "Listen here for a VRPN tracker's datagrams")->type_name("HOST:PORT");
   app.add_option("--vrpn-device", options->vrpn_device, "Follow only the VRPN tracker of this name");
@@ -83,13 +85,13 @@ class SteerLink {
     told_at_ = now;
     rested_ = command.is_rest();  // If a rest command is lost, the tour stops by itself 300 ms later.
   }
-  /// Requests a stop once. Blocks for at most kSteerDeadline. A refusal, such as of an unknown name, counts as reached.
+  /// Requests a stop once. Blocks for at most kStopDeadline. A refusal, such as of an unknown name, counts as reached.
   void go_to(const tracker::OscStop& stop) {
     wire::GoToStopRequest request;
     if (const auto* const name = std::get_if<std::string>(&stop)) request.set_name(*name);
     if (const auto* const step = std::get_if<int>(&stop)) request.set_step(*step);
     grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() + kSteerDeadline);
+    context.set_deadline(std::chrono::system_clock::now() + kStopDeadline);
     wire::GoToStopReply reply;
     const grpc::StatusCode code = stub_->GoToStop(&context, request, &reply).error_code();
     reached_ = code != grpc::StatusCode::UNAVAILABLE && code != grpc::StatusCode::DEADLINE_EXCEEDED;

@@ -8,7 +8,7 @@
 ///
 ///   next       right shoulder     Page Down            right button           of the tour's stops
 ///   previous   left shoulder      Page Up              left button            (presenters' clickers are keyboards)
-///   help       –                   F1, Help             –
+///   help       –                  F1, Help             –
 ///
 /// Event codes are those of linux/input-event-codes.h. Nothing here accesses a device.
 #pragma once

@@ -68,8 +68,9 @@ class Visit:
         self.start_farm()
         self.node = self.start("node", "--coordinator", self.at["nodes"], "--threads", 2)
         self.tour = self.start_tour()
-        self.display = self.start("display", "--installation", f"{root}/demo/installation.toml", "--tour", self.at["tour"], "--listen",
-                                  self.at["display"], "--run-dir", folder, "--width", width, "--height", height, "--refresh-hz", 20)
+        self.display = self.start("display", "--config", self.folder / "site.toml", "--installation", f"{root}/demo/installation.toml",
+                                  "--tour", self.at["tour"], "--listen", self.at["display"], "--run-dir", folder, "--width", width,
+                                  "--height", height, "--refresh-hz", 20)
         self.hand = self.start("hand", "--tour", self.at["tour"], "--listen", self.at["hand"], "--devices", "", "--osc",
                                f"[::1]:{self.osc_port}")
 

@@ -69,8 +69,10 @@ WalkEvent way_to(const VisitWalk& walk, std::size_t stop) {
 std::optional<std::size_t> stop_after(const VisitWalk& walk, int step) {
   const auto count = static_cast<int>(walk.site.stops.size());
   if (count == 0) return std::nullopt;
-  if (!walk.navigation.stop) return nearest_stop(walk.site, walk.navigation.walker);
-  const int next = (static_cast<int>(*walk.navigation.stop) + step % count + count) % count;
+  const std::optional<std::size_t> here =
+      walk.navigation.stop ? walk.navigation.stop : stop_at(walk.site, walk.navigation.walker);
+  if (!here) return nearest_stop(walk.site, walk.navigation.walker);
+  const int next = (static_cast<int>(*here) + step % count + count) % count;
   return static_cast<std::size_t>(next);
 }
 

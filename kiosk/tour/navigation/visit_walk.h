@@ -65,8 +65,8 @@ struct VisitWalk {
 [[nodiscard]] WalkEvent way_to(const VisitWalk& walk, std::size_t stop);
 /// True if the walk has such a stop, and an area to stand in.
 [[nodiscard]] bool can_go_to(const VisitWalk& walk, std::size_t stop);
-/// Returns the stop that is `step` stops after the one that the visitor reached last, or is led to; the nearest one if
-/// there was none. After the last comes the first. Nothing without stops.
+/// Returns the stop that is `step` stops after the one that the visitor reached last, is led to, or stands at; the
+/// nearest one if there is none. After the last comes the first. Nothing without stops.
 [[nodiscard]] std::optional<std::size_t> stop_after(const VisitWalk& walk, int step);
 
 /// Returns the walk after `event`, which arrived at `at`. If the same scene opens again, the position is kept as far as

@@ -209,7 +209,7 @@ INSTANTIATE_TEST_SUITE_P(
                  fs::create_directories(m.stick() / "tour");
                  m.write("tour/tour.toml", "version = 1\nlanguages = [\"en\"]\n[[stop]]\nname = \"a\"\n");
                },
-               "tour.toml:3: stop[0].position_m"},
+               "tour.toml:3: stop[0].heading_deg"},
         Spoilt{"picture_missing", [](const MuseumStick& m) { m.remove("evening.png"); },
                "'evening.png', which is not there"},
         Spoilt{"picture_cut", [](const MuseumStick& m) { fs::resize_file(m.stick() / "evening.png", 50); },

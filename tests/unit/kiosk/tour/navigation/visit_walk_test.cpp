@@ -189,5 +189,24 @@ TEST(Turn, does_not_limit_keys_and_by_default_nobody) {
   }
 }
 
+TEST(VisitWalk, counts_stops_from_where_the_visitor_was_last_or_stands) {
+  VisitWalk walk;
+  EXPECT_FALSE(stop_after(walk, 1));
+  Site site;
+  auto area = WalkableArea::make({{-10, -10}, {10, -10}, {10, 10}, {-10, 10}});
+  ASSERT_TRUE(area);
+  site.area = std::make_shared<const WalkableArea>(*std::move(area));
+  site.stops = {{"a", {3, 0}, 0.0}, {"b", {-3, 0}, 0.0}, {"c", {0, 5}, 0.0}};
+  site.start.position_m = {-1, 0};
+  const TimePoint now{};
+  walk = after(std::move(walk), SceneOpened{"s", site}, now, {});
+  EXPECT_EQ(stop_after(walk, 1), 1u) << "the nearest";
+  walk = after(std::move(walk), CutToStop{2}, now, {});
+  EXPECT_EQ(stop_after(walk, 1), 0u) << "after the last comes the first";
+  EXPECT_EQ(stop_after(walk, -1), 1u);
+  walk = after(std::move(walk), SceneOpened{"s", site}, now, {});
+  EXPECT_EQ(stop_after(walk, 1), 0u) << "the visitor stands at the last one, whatever was forgotten";
+}
+
 }  // namespace
 }  // namespace cyclorama::tour

@@ -172,8 +172,8 @@ bool is_meshopt_attributes_v1(std::span<const std::byte> stored) {
   return !stored.empty() && stored.front() == kVersion1;
 }
 
-std::optional<std::vector<std::byte>> decode_meshopt_attributes_v1(std::span<const std::byte> stored,
-                                                                   std::size_t count, std::size_t stride) {
+std::optional<std::vector<std::byte>> decode_meshopt_attributes_v1(std::span<const std::byte> stored, std::size_t count,
+                                                                   std::size_t stride) {
   const std::size_t channels = stride / 4;
   const std::size_t tail = std::max(stride + channels, kMinTail);
   if (!is_meshopt_attributes_v1(stored) || stored.size() < 1 + tail) return std::nullopt;

@@ -13,7 +13,6 @@
 namespace cyclorama::scene {
 namespace {
 
-
 std::size_t triangles_of(const Model& model) {
   std::size_t count = 0;
   for (const Instance& instance : model.instances) {

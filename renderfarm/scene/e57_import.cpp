@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kMaxXmlBytes = std::uint64_t{64} << 20;
 
-Result<Model> import_bytes(std::span<const std::byte> file, const ImportLimits& limits) {
+Result<Model> import_e57_bytes(std::span<const std::byte> file, const ImportLimits& limits) {
   TRY_ASSIGN(const E57Pages pages, E57Pages::open(file));
   if (pages.xml_bytes() > kMaxXmlBytes) {
     return Error(ErrorCode::kBadData,
@@ -45,7 +45,7 @@ Result<Model> import_bytes(std::span<const std::byte> file, const ImportLimits& 
 
 Result<Model> import_e57(const std::filesystem::path& path, const ImportLimits& limits) {
   TRY_ASSIGN(const MappedFile file, MappedFile::open(path));
-  Result<Model> model = import_bytes(file.bytes(), limits);
+  Result<Model> model = import_e57_bytes(file.bytes(), limits);
   if (!model) return std::move(model).error().while_doing(fmt::format("'{}'", path.string()));
   return model;
 }

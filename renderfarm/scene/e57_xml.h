@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Reader of the XML section of an E57 file. It supports elements, attributes and texts, and no other part of XML.
+/// The elements, attributes and texts of the XML section of an E57 file.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +28,7 @@ struct E57Node {
 };
 
 /// Returns the root element. Errors: kBadData, with the byte offset, for text that is not well formed, for document
-/// types, for entities other than the five of XML, and for elements nested more than 32 deep.
+/// types and for elements nested more than 32 deep. Entities other than the five of XML stay as they are written.
 Result<E57Node> parse_e57_xml(std::string_view xml);
 
 }  // namespace cyclorama::scene

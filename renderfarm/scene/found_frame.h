@@ -3,12 +3,20 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "renderfarm/scene/model.h"
 
 namespace cyclorama::scene {
+
+/// What a file's format states about its frame.
+enum class StatedFrame : std::uint8_t {
+  kNothing,     ///< Neither the unit nor the axis that points up.
+  kUp,          ///< y points up. Metres are prescribed, but many files are in another unit.
+  kUpAndMetres  ///< Surveyors' formats, turned when they are read.
+};
 
 struct FoundFrame {
   double unit_m = 1.0;
@@ -18,8 +26,8 @@ struct FoundFrame {
 
 /// Derives unit and position from the geometry. glTF prescribes metres and the other formats state no unit, but files
 /// of all formats exist in millimetres and centimetres. The unit follows from the size of rooms; a file without rooms
-/// is an object, which is shown whole whatever its unit. A small flat object that lies on the ground, such as a coin or
+/// is an object, which is shown whole whatever its unit. A file that stands on z = 0 and not on y = 0 has z up. A small flat object that lies on the ground, such as a coin or
 /// a map, is raised upright to face the visitor, unless the file has cameras. Reentrant; `file` is unchanged on return.
-[[nodiscard]] FoundFrame find_frame(Model* file);
+[[nodiscard]] FoundFrame find_frame(Model* file, StatedFrame stated);
 
 }  // namespace cyclorama::scene

@@ -20,6 +20,7 @@ enum class SceneKind : std::uint8_t { kRoom, kSite, kObject };
 
 struct FoundSettings {
   SceneKind kind = SceneKind::kObject;
+  bool is_stage = false;  ///< The object is a room that lacks a wall, and is looked into from there.
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();
   double heading_rad = 0.0;
   double eye_height_m = 1.6;
@@ -29,6 +30,11 @@ struct FoundSettings {
   double ceiling_m = 0.0;                 ///< For rooms: height of the ceiling above the eye.
   double free_m = 0.0;                    ///< For rooms: distance to the nearest surface at eye height, at most 3 m.
 };
+
+/// Returns a viewpoint for a wall, which shows tangents from -0.5 to 0.3, in place of a camera outside of `bounds`. If
+/// a level picture from the camera shows the scene, the camera is returned. Otherwise it is one that looks steeply up or
+/// down, and the result is a level view of the whole scene from the camera's side.
+[[nodiscard]] Viewpoint level_viewpoint(const Viewpoint& view, const Eigen::AlignedBox3d& bounds);
 
 /// Derives the settings; if `eye` is given, it is kept and the other settings are derived for it. Precondition:
 /// `bounds` is bounds_of(model) and not empty. Lengths are in metres, and y points up. Reentrant.

@@ -99,7 +99,10 @@ Result<GltfObject> GltfDocument::item(const char* list, std::size_t index) const
 
 Result<GltfBufferView> GltfDocument::buffer_view(std::size_t index) {
   TRY_ASSIGN(const GltfObject view, item("bufferViews", index));
-  TRY_ASSIGN(const std::optional<GltfObject> meshopt, view.extension("EXT_meshopt_compression"));
+  TRY_ASSIGN(std::optional<GltfObject> meshopt, view.extension("KHR_meshopt_compression"));
+  if (!meshopt) {
+    TRY_ASSIGN(meshopt, view.extension("EXT_meshopt_compression"));
+  }
   GltfBufferView found;
   if (meshopt) {
     TRY_ASSIGN(found.bytes, decompressed(index, *meshopt));

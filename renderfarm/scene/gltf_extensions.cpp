@@ -12,7 +12,7 @@
 namespace cyclorama::scene {
 namespace {
 
-constexpr std::array<std::string_view, 20> kSupported = {
+constexpr std::array<std::string_view, 21> kSupported = {
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -30,6 +30,7 @@ constexpr std::array<std::string_view, 20> kSupported = {
     "KHR_materials_variants",  // Without a choice of variant, the default materials are shown.
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp_json_ld",  // Metadata of the file.

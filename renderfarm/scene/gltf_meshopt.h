@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// EXT_meshopt_compression: compressed buffer views. Source: the extension's specification in Khronos' glTF repository.
+/// EXT_meshopt_compression and KHR_meshopt_compression: compressed buffer views. Source: the extensions' specifications
+/// in Khronos' glTF repository. Streams and filters of the second are read under the name of the first, too.
 #pragma once
 
 #include <cstddef>

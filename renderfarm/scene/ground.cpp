@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "renderfarm/scene/area.h"
 #include "renderfarm/scene/outline.h"
@@ -63,6 +64,19 @@ CellSet eroded(const CellSet& free, int cells) {
   return inner;
 }
 
+/// Returns the columns that can be reached from the visitor's position, at some distance from obstacles; nothing if the
+/// visitor cannot take a step.
+std::optional<CellSet> reached_columns(const SpaceGrid& grid, const Standing& standing) {
+  const Eigen::Vector3i start = grid.cell_of(standing.eye);
+  const CellSet free = free_columns(grid, standing);
+  if (!free.has(start.x(), start.z())) return std::nullopt;
+  // Distance from walls, in cells. If the start is nearer to a wall, the greatest possible distance is used instead.
+  int distance = std::max(1, static_cast<int>(std::ceil(kWallDistanceM / grid.cell_m())));
+  CellSet roomy = eroded(free, distance);
+  while (!roomy.has(start.x(), start.z())) roomy = eroded(free, --distance);
+  return reached_from(roomy, start.x(), start.z());
+}
+
 }  // namespace
 
 bool body_fits(const SpaceGrid& grid, double x, double z, double floor, double eye_height_m) {
@@ -75,17 +89,17 @@ bool body_fits(const SpaceGrid& grid, double x, double z, double floor, double e
   return true;
 }
 
+double walkable_area_m2(const SpaceGrid& grid, const Standing& standing) {
+  const std::optional<CellSet> reached = reached_columns(grid, standing);
+  return reached ? static_cast<double>(reached->size()) * grid.cell_m() * grid.cell_m() : 0.0;
+}
+
 std::vector<Eigen::Vector2d> walkable_outline(const SpaceGrid& grid, const Standing& standing) {
-  const Eigen::Vector3i start = grid.cell_of(standing.eye);
-  const CellSet free = free_columns(grid, standing);
-  if (!free.has(start.x(), start.z())) return {};
-  // Distance from walls, in cells. If the start is nearer to a wall, the greatest possible distance is used instead.
-  int distance = std::max(1, static_cast<int>(std::ceil(kWallDistanceM / grid.cell_m())));
-  CellSet roomy = eroded(free, distance);
-  while (!roomy.has(start.x(), start.z())) roomy = eroded(free, --distance);
+  const std::optional<CellSet> reached = reached_columns(grid, standing);
+  if (!reached) return {};
   std::vector<Eigen::Vector2d> corners;
   const Eigen::Vector3d origin = grid.centre_of({0, 0, 0}).array() - 0.5 * grid.cell_m();
-  const auto borders = borders_of(reached_from(roomy, start.x(), start.z()));
+  const auto borders = borders_of(*reached);
   for (const Eigen::Vector2i& corner : borders.front()) {
     corners.emplace_back(origin.x() + corner.x() * grid.cell_m(), origin.z() + corner.y() * grid.cell_m());
   }

@@ -20,6 +20,9 @@ struct Standing {
 /// to step over do not count.
 [[nodiscard]] bool body_fits(const SpaceGrid& grid, double x, double z, double floor, double eye_height_m);
 
+/// Returns the area of all ground that walkable_outline() encloses, without the obstacles inside.
+[[nodiscard]] double walkable_area_m2(const SpaceGrid& grid, const Standing& standing);
+
 /// Returns the outline of all ground that can be reached from the visitor's position, at some distance from obstacles:
 /// at most 512 (x, z) corners, with the eye inside. Obstacles inside the outline, such as pillars, are not cut out.
 /// Empty if the visitor cannot take a step.

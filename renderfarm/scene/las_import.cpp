@@ -99,7 +99,7 @@ class LasColours {
   double intensity_factor_ = 1.0;
 };
 
-Result<Model> import_bytes(std::span<const std::byte> file, const ImportLimits& limits) {
+Result<Model> import_las_bytes(std::span<const std::byte> file, const ImportLimits& limits) {
   TRY_ASSIGN(const LasHeader header, parse_las_header(file));
   PointCloud cloud(limits.memory_bytes);
   TRY(cloud.check_memory(header.point_count));
@@ -123,7 +123,7 @@ Result<Model> import_bytes(std::span<const std::byte> file, const ImportLimits& 
 
 Result<Model> import_las(const std::filesystem::path& path, const ImportLimits& limits) {
   TRY_ASSIGN(const MappedFile file, MappedFile::open(path));
-  Result<Model> model = import_bytes(file.bytes(), limits);
+  Result<Model> model = import_las_bytes(file.bytes(), limits);
   if (!model) return std::move(model).error().while_doing(fmt::format("'{}'", path.string()));
   return model;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -21,6 +22,9 @@ class CellSet {
     return x >= 0 && z >= 0 && x < width_ && z < depth_ && bits_[index_of(x, z)];
   }
   void add(int x, int z) { bits_[index_of(x, z)] = true; }
+  [[nodiscard]] std::size_t size() const {
+    return static_cast<std::size_t>(std::count(bits_.begin(), bits_.end(), true));
+  }
 
  private:
   [[nodiscard]] std::size_t index_of(int x, int z) const {

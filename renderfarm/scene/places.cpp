@@ -8,8 +8,6 @@
 #include <numbers>
 #include <vector>
 
-#include "renderfarm/scene/area.h"
-
 namespace cyclorama::scene {
 namespace {
 
@@ -25,9 +23,13 @@ constexpr std::size_t kPictured = 10;  ///< Candidates of each kind whose pictur
 
 double heading_of(int direction) { return 2.0 * std::numbers::pi * direction / kDirections; }
 
-/// Returns a score that prefers open positions, and long views among these, for a first selection before pictures are
-/// traced.
-double roominess(const Place& place) { return std::min(place.nearest_m, 3.0) + 0.1 * std::min(place.mean_m, kFarM); }
+/// Returns a score that prefers open positions, those with something to see, and long views among these, for a first
+/// selection before pictures are traced.
+double roominess(const Place& place) {
+  constexpr double kEnoughToSee = 0.25 * kDirections;
+  return std::min(place.nearest_m, 3.0) + 0.1 * std::min(place.mean_m, kFarM) +
+         0.5 * std::min(1.0, place.walls / kEnoughToSee);
+}
 
 /// Returns the eye, or a point above it if the eye is in a ground cell, because cells of a large site are higher than
 /// people.
@@ -43,6 +45,7 @@ struct Column {
   double seen = 0.0;
   double near = 0.0;
   double depth_m = 0.0;
+  double level_m = 0.0;  ///< Distance at the height of the eye.
 };
 
 Column column_of(const SpaceGrid& grid, const Eigen::Vector3d& eye, int direction) {
@@ -50,12 +53,21 @@ Column column_of(const SpaceGrid& grid, const Eigen::Vector3d& eye, int directio
   for (const double tangent : kRows) {
     const Eigen::Vector3d ray = (ahead(heading_of(direction)) + tangent * Eigen::Vector3d::UnitY()).normalized();
     const SpaceGrid::Ray hit = grid.cast(eye, ray);
+    if (tangent == 0.0) column.level_m = hit.length_m;
     if (!hit.hits || hit.from_behind) continue;
     column.seen += 1.0;
     column.near += hit.length_m < kStepM ? 1.0 : 0.0;
     column.depth_m += std::min(hit.length_m, kFarM);
   }
   return column;
+}
+
+/// Returns true if the surface in the middle column is not the plane of its neighbours' surfaces. Along a plane, the
+/// inverse distance is a cosine of the direction.
+bool is_edge(const SpaceGrid& grid, const Column& left, const Column& middle, const Column& right) {
+  constexpr double kBend = 0.25;
+  const double inverse = 1.0 / left.level_m + 1.0 / right.level_m - 2.0 / middle.level_m;
+  return std::abs(inverse) * middle.level_m > kBend + grid.cell_m() / middle.level_m;
 }
 
 bool is_ground_ahead(const SpaceGrid& grid, const Standing& standing, int direction) {
@@ -107,8 +119,7 @@ std::optional<Place> best_of(std::vector<Place> places, const SpaceGrid& grid) {
   std::vector<Place> candidates = roomiest(std::move(places), grid);
   std::vector<double> areas;
   for (const Place& place : candidates) {
-    const std::vector<Eigen::Vector2d> outline = walkable_outline(grid, place.standing);
-    areas.push_back(outline.empty() ? 0.0 : area_of(outline));
+    areas.push_back(walkable_area_m2(grid, place.standing));
   }
   const double largest = std::max(1e-9, areas.empty() ? 0.0 : *std::max_element(areas.begin(), areas.end()));
   std::optional<Place> best;
@@ -129,7 +140,10 @@ std::optional<Place> best_of(std::vector<Place> places, const SpaceGrid& grid) {
 
 Eigen::Vector3d ahead(double heading_rad) { return {std::sin(heading_rad), 0.0, -std::cos(heading_rad)}; }
 
-double PlaceView::score() const { return seen - near + 0.5 * ground + 0.5 * depth_m / kFarM; }
+double PlaceView::score() const {
+  constexpr double kUsualDepthM = 4.0;
+  return seen - near + 0.5 * ground + 0.8 * (1.0 - std::exp(-depth_m / kUsualDepthM)) + 0.5 * edges;
+}
 
 Place look_around(const SpaceGrid& grid, const Standing& standing) {
   const Eigen::Vector3d eye = eye_above_ground(grid, standing);
@@ -137,6 +151,8 @@ Place look_around(const SpaceGrid& grid, const Standing& standing) {
   const SpaceGrid::Ray up = grid.cast(eye, Eigen::Vector3d::UnitY());
   place.has_ceiling = up.hits;
   place.ceiling_m = up.length_m;
+  constexpr double kMinCells = 3.0;
+  place.is_resolved = up.length_m + standing.eye_height_m() >= kMinCells * grid.cell_m();
   place.nearest_m = std::numeric_limits<double>::infinity();
   std::array<double, kDirections> lengths{};
   for (int i = 0; i < kDirections; ++i) {
@@ -169,10 +185,15 @@ PlaceView view_at(const SpaceGrid& grid, const Place& place) {
   }
   constexpr double kRays = (2.0 * kHalfPicture + 1.0) * static_cast<double>(kRows.size());
   double best_score = -std::numeric_limits<double>::infinity();
+  const auto at = [&](int i) -> const Column& {
+    return columns[static_cast<std::size_t>((i + kDirections) % kDirections)];
+  };
   for (int i = 0; i < kDirections; ++i) {
     Column sum;
+    double edges = 0.0;
     for (int k = -kHalfPicture; k <= kHalfPicture; ++k) {
-      const Column& column = columns[static_cast<std::size_t>((i + k + kDirections) % kDirections)];
+      const Column& column = at(i + k);
+      edges += is_edge(grid, at(i + k - 1), column, at(i + k + 1)) ? 1.0 : 0.0;
       sum.seen += column.seen;
       sum.near += column.near;
       sum.depth_m += column.depth_m;
@@ -182,6 +203,7 @@ PlaceView view_at(const SpaceGrid& grid, const Place& place) {
     view.seen = sum.seen / kRays;
     view.near = sum.near / kRays;
     view.depth_m = sum.depth_m / kRays;
+    view.edges = edges / (2.0 * kHalfPicture + 1.0);
     if (view.score() <= best_score) continue;
     best_score = view.score();
     best = view;
@@ -196,8 +218,7 @@ BestPlaces find_places(const SpaceGrid& grid) {
     if (place.is_inside_solid() || place.is_inside_vessel()) return;
     (place.is_room() ? rooms : sites).push_back(place);
   });
-  if (!rooms.empty()) return {best_of(std::move(rooms), grid), std::nullopt};
-  return {std::nullopt, best_of(std::move(sites), grid)};
+  return {best_of(std::move(rooms), grid), best_of(std::move(sites), grid)};
 }
 
 }  // namespace cyclorama::scene

@@ -22,6 +22,7 @@ struct PlaceView {
   double near = 0.0;     ///< Share of the picture with surfaces nearer than a step.
   double ground = 0.0;   ///< Share of all horizontal directions with ground at the visitor's feet.
   double depth_m = 0.0;  ///< Mean distance of the surfaces, each counted as at most 15 m.
+  double edges = 0.0;    ///< Share of the columns where something stands before or beside something else.
 
   [[nodiscard]] double score() const;
 };
@@ -33,6 +34,7 @@ struct Place {
   int from_behind = 0;
   bool has_ceiling = false;
   double ceiling_m = 0.0;  ///< Height above the eye.
+  bool is_resolved = false;  ///< The height from floor to ceiling is several cells.
   double nearest_m = 0.0;
   double mean_m = 0.0;
   double view_heading_rad = 0.0;  ///< Heading of the longest view.
@@ -41,7 +43,7 @@ struct Place {
   static constexpr int kDirections = 32;
   [[nodiscard]] bool is_inside_solid() const { return 2 * from_behind > walls; }
   [[nodiscard]] bool has_walls() const { return 4 * walls >= 3 * kDirections && !is_inside_solid(); }
-  [[nodiscard]] bool is_room() const { return has_ceiling && ceiling_m < kMaxCeilingM && has_walls(); }
+  [[nodiscard]] bool is_room() const { return has_ceiling && is_resolved && ceiling_m < kMaxCeilingM && has_walls(); }
   /// Returns true inside an object whose unit is wrong: no building has a ceiling this high.
   [[nodiscard]] bool is_inside_vessel() const { return has_ceiling && ceiling_m >= kMaxCeilingM && has_walls(); }
   static constexpr double kMaxCeilingM = 60.0;
@@ -57,8 +59,7 @@ struct BestPlaces {
   std::optional<Place> site;
 };
 
-/// Returns the best room, or the best site if there are no rooms. The view_heading_rad of the result is that of the
-/// best view. A position on a small piece of ground, such as a plinth, is not chosen if there is a much larger piece.
+/// Returns the best room and the best site. The view_heading_rad of the result is that of the best view. A position on a small piece of ground, such as a plinth, is not chosen if there is a much larger piece.
 /// Takes less than a second.
 [[nodiscard]] BestPlaces find_places(const SpaceGrid& grid);
 

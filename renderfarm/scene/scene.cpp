@@ -55,8 +55,7 @@ Result<Format> format_of(const std::filesystem::path& path) {
                            path.string()));
 }
 
-Result<Model> import_any(const std::filesystem::path& path, const ImportLimits& limits) {
-  TRY_ASSIGN(const Format format, format_of(path));
+Result<Model> import_as(Format format, const std::filesystem::path& path, const ImportLimits& limits) {
   switch (format) {
     case Format::kPly:
       return import_ply(path, limits);
@@ -74,6 +73,16 @@ Result<Model> import_any(const std::filesystem::path& path, const ImportLimits& 
       break;
   }
   return Error(ErrorCode::kBadData, fmt::format("'{}' is not a geometry file that can be read", path.string()));
+}
+
+Result<Model> import_any(const std::filesystem::path& path, const ImportLimits& limits) {
+  TRY_ASSIGN(const Format format, format_of(path));
+  return import_as(format, path, limits);
+}
+
+StatedFrame stated_by(Format format) {
+  if (format == Format::kLas || format == Format::kE57) return StatedFrame::kUpAndMetres;
+  return format == Format::kGltf ? StatedFrame::kUp : StatedFrame::kNothing;
 }
 
 bool shines(const Eigen::Vector3f& light) { return light.maxCoeff() > 0.0f; }
@@ -102,7 +111,8 @@ double heading_of(const Viewpoint& view) { return std::atan2(view.direction.x(),
 
 /// Makes the files' cameras the tour stops if the package has none, and the first camera the start if the package has
 /// no start.
-void add_viewpoints(ScenePackage* package, const std::vector<Viewpoint>& viewpoints) {
+void add_viewpoints(ScenePackage* package, std::vector<Viewpoint> viewpoints, const Eigen::AlignedBox3d& bounds) {
+  for (Viewpoint& view : viewpoints) view = level_viewpoint(view, bounds);
   if (package->stops.empty()) {
     for (const Viewpoint& view : viewpoints) package->stops.push_back({view.name, view.eye, heading_of(view)});
   }
@@ -121,6 +131,12 @@ Model surfaces_of_splats(const Model& model) {
   return surfaces;
 }
 
+/// Returns a dark grey that shows the outline of a thing that has its own light.
+Sky grey_surround() {
+  const Eigen::Vector3f grey = Eigen::Vector3f::Constant(0.03f);
+  return {grey, grey, grey};
+}
+
 /// Makes a scene of package and model; values that the package does not state are derived from the geometry.
 Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const EnvironmentMap> environment,
                       const std::filesystem::path& path) {
@@ -132,7 +148,7 @@ Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const E
     return Error(ErrorCode::kBadData,
                  fmt::format("'{}' holds neither triangles nor splats: there is nothing to show", path.string()));
   }
-  add_viewpoints(&package, scene.model.viewpoints);
+  add_viewpoints(&package, scene.model.viewpoints, scene.bounds);
   const bool is_splats = scene.model.instances.empty();
   const FoundSettings found =
       find_settings(is_splats ? surfaces_of_splats(scene.model) : scene.model, scene.bounds, package.start_eye);
@@ -151,9 +167,10 @@ Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const E
   scene.ambient = package.ambient.value_or(Eigen::Vector3f::Zero());
   scene.eye_lamp = package.eye_lamp.value_or(Eigen::Vector3f::Zero());
   scene.model.lights.insert(scene.model.lights.end(), package.lamps.begin(), package.lamps.end());
-  if (is_splats) {  // Splats contain their own light; a sky would shine between them.
+  if (is_splats) {  // Splats contain their own light; a bright sky would shine between them.
     scene.tone = package.tone;
     scene.exposure = package.exposure.value_or(1.0);
+    if (found.kind == SceneKind::kObject && !package.sky) scene.sky = grey_surround();
   } else {
     light(package, found, &scene);
   }
@@ -188,10 +205,11 @@ Result<Scene> load_package(const std::filesystem::path& path, const ImportLimits
 }
 
 Result<Scene> load_file(const std::filesystem::path& path, const ImportLimits& limits, const LoadProgress& progress) {
-  TRY_ASSIGN(Model file, import_any(path, limits));
+  TRY_ASSIGN(const Format format, format_of(path));
+  TRY_ASSIGN(Model file, import_as(format, path, limits));
   if (progress) progress(0.8);
   const bool is_splats = file.instances.empty();
-  FoundFrame frame = is_splats ? FoundFrame{} : find_frame(&file);
+  FoundFrame frame = is_splats ? FoundFrame{} : find_frame(&file, stated_by(format));
   std::move(frame.notes.begin(), frame.notes.end(), std::back_inserter(file.notes));
   Model model;
   add_part(std::move(file), frame.unit_m, {frame.T_scene_file}, &model);

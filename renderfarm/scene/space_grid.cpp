@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kCellsAlongLongestAxis = 96.0;
 constexpr std::size_t kMarksLimit = 40'000'000;  // So many marks take about a second.
+constexpr double kMaxSteps = 240.0;              // Longer than any triangle that lies within the grid.
 constexpr double kTrianglesPerCellFace = 64.0;   // More triangles of one mesh add no information about a cell.
 
 Eigen::Vector3d corner_of(const Mesh& mesh, const Eigen::Affine3d& T, std::uint32_t index) {
@@ -48,12 +49,28 @@ void SpaceGrid::mark(const Eigen::Vector3d& p, const Eigen::Vector3f& normal) {
   marked.facing += normal;
 }
 
+bool SpaceGrid::is_outside(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) const {
+  const Eigen::Array3d max = min_.array() + cell_m_ * cells_.cast<double>().array();
+  return (a.cwiseMin(b).cwiseMin(c).array() > max).any() || (a.cwiseMax(b).cwiseMax(c).array() < min_.array()).any();
+}
+
 void SpaceGrid::mark_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  if (is_outside(a, b, c)) return;
   const Eigen::Vector3d u = b - a;
   const Eigen::Vector3d v = c - a;
   const Eigen::Vector3f normal = u.cross(v).normalized().cast<float>();
   const double longest = std::sqrt(std::max({u.squaredNorm(), v.squaredNorm(), (c - b).squaredNorm()}));
-  const auto steps = static_cast<std::size_t>(std::min(longest / (0.7 * cell_m_), 2.0 * kCellsAlongLongestAxis)) + 1;
+  if (longest > 0.7 * cell_m_ * kMaxSteps) {  // It reaches far out of a grid of a part: only what is inside counts.
+    const Eigen::Vector3d ab = 0.5 * (a + b);
+    const Eigen::Vector3d bc = 0.5 * (b + c);
+    const Eigen::Vector3d ca = 0.5 * (c + a);
+    mark_triangle(a, ab, ca);
+    mark_triangle(ab, b, bc);
+    mark_triangle(ca, bc, c);
+    mark_triangle(ab, bc, ca);
+    return;
+  }
+  const auto steps = static_cast<std::size_t>(longest / (0.7 * cell_m_)) + 1;
   const std::size_t marks = steps * (steps + 1) / 2;
   if (steps == 1 || marks > marks_left_) return mark((a + b + c) / 3.0, normal);
   marks_left_ -= marks;

@@ -9,11 +9,12 @@
 
 namespace cyclorama::scene {
 
-/// Grid of cubic cells over the scene's bounds, 96 along the longest side. Immutable once built; reentrant.
+/// Grid of cubic cells over the scene's bounds or a part of them, 96 along the longest side. Immutable once built;
+/// reentrant.
 class SpaceGrid {
  public:
-  /// Precondition: `bounds` is bounds_of(model) and not empty. Takes some nanoseconds per triangle and at most a second
-  /// or two, because very large or very many triangles are sampled more sparsely.
+  /// Precondition: `bounds` is not empty; what lies outside of it is left out. Takes some nanoseconds per triangle and
+  /// at most a second or two, because very many triangles are sampled more sparsely.
   SpaceGrid(const Model& model, const Eigen::AlignedBox3d& bounds);
 
   [[nodiscard]] double cell_m() const { return cell_m_; }
@@ -49,6 +50,7 @@ class SpaceGrid {
   };
   [[nodiscard]] const Cell& at(const Eigen::Vector3i& cell) const { return data_[index_of(cell)]; }
   [[nodiscard]] std::size_t index_of(const Eigen::Vector3i& cell) const;
+  [[nodiscard]] bool is_outside(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) const;
   void mark(const Eigen::Vector3d& p, const Eigen::Vector3f& normal);
   void mark_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
   void mark_instance(const Mesh& mesh, const Instance& instance);

@@ -8,7 +8,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::array<const char*, 4> kModes = {"ATTRIBUTES", "TRIANGLES", "INDICES", "OTHER"};
-  constexpr std::array<const char*, 4> kFilters = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
+  constexpr std::array<const char*, 5> kFilters = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR"};
   static const cyclorama::scene::MeshoptSquare kWhole = cyclorama::scene::compressed_meshopt_square();
   if (size < 3) return 0;
   cyclorama::scene::MeshoptSquare damaged = kWhole;
@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   auto& changed = file.json["bufferViews"][data[0] / 4 % 2]["extensions"]["EXT_meshopt_compression"];
   if (data[0] >= 8) {
     changed["mode"] = kModes[data[0] % 4];
-    changed["filter"] = kFilters[data[1] % 4];
+    changed["filter"] = kFilters[data[1] % 5];
     changed["count"] = data[1] / 4;
     changed["byteStride"] = data[2];
   }

@@ -2,8 +2,8 @@
 """Renders the first sight of each scene and judges it: first_sight.py BUILD_FOLDER SHEET.png [--quick] [FOLDER ...]
 
 A scene is sensible if it loads, and its picture is neither too dark, too bright nor empty. SHEET.png shows all of them,
-which is how a person judges: scenes that fail have a red frame. Scenes are the glTF, PLY and OBJ files of the shared
-data and of the folders given.
+which is how a person judges: scenes that fail have a red frame. Scenes are the files of the shared data and of the
+folders given that have the suffix of a format of scenes.
 """
 import json
 import os
@@ -17,6 +17,7 @@ import png_picture
 WIDTH, HEIGHT, FRAME, ACROSS = 256, 128, 3, 5
 # Bounds of the middle brightness, of the parts that are clipped to white, and of the part where something shows.
 DARKEST, BRIGHTEST, MAX_CLIPPED, MIN_SHOWN = 10, 235, 0.25, 0.01
+SUFFIXES = {".glb", ".gltf", ".ply", ".obj", ".las", ".laz", ".e57", ".spz"}
 # Test files of a program's reader, not scenes.
 LEFT_OUT = {"bad", "asset_generator"}
 
@@ -24,7 +25,7 @@ LEFT_OUT = {"bad", "asset_generator"}
 def scenes_of(folders):
     for folder in folders:
         for file in sorted(folder.rglob("*")):
-            is_scene = file.suffix.lower() in (".glb", ".gltf", ".ply", ".obj")
+            is_scene = file.suffix.lower() in SUFFIXES
             if is_scene and not LEFT_OUT & set(file.relative_to(folder).parts):
                 yield file
 

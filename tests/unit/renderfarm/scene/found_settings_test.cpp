@@ -8,6 +8,7 @@
 
 #include "renderfarm/scene/area.h"
 #include "renderfarm/scene/assemble.h"
+#include "renderfarm/scene/back_faces.h"
 #include "renderfarm/scene/found_frame.h"
 #include "renderfarm/scene/found_light.h"
 
@@ -159,20 +160,20 @@ TEST(FindSettings, the_inside_of_a_large_hollow_thing_is_no_room) {
 TEST(FindFrame, takes_the_unit_from_the_height_of_rooms) {
   for (const auto& [metres, unit_m] : {std::pair{1.0, 1.0}, std::pair{100.0, 0.01}, std::pair{1000.0, 0.001}}) {
     Model model = model_of({box_mesh(box({0, 0, 0}, metres * Eigen::Vector3d(8, 3, 6)), true)});
-    const FoundFrame frame = find_frame(&model);
+    const FoundFrame frame = find_frame(&model, StatedFrame::kNothing);
     EXPECT_EQ(frame.unit_m, unit_m);
     EXPECT_EQ(frame.notes.empty(), unit_m == 1.0);
     EXPECT_TRUE(model.instances[0].T_model_mesh.matrix().isIdentity()) << "the file is left as it is";
   }
   Model hall = model_of({box_mesh(box({0, 0, 0}, {80, 20, 40}), true)});
-  const FoundFrame frame = find_frame(&hall);
+  const FoundFrame frame = find_frame(&hall, StatedFrame::kNothing);
   EXPECT_EQ(frame.unit_m, 1.0);
   EXPECT_EQ(frame.notes.size(), 1u) << "it may be a thing in millimetres";
 }
 
 TEST(FindFrame, keeps_an_object_of_unknown_unit_and_says_what_it_looks_like) {
   Model statue = model_of({box_mesh(box({0, 0, 0}, {600, 1800, 500}), false)});
-  const FoundFrame frame = find_frame(&statue);
+  const FoundFrame frame = find_frame(&statue, StatedFrame::kNothing);
   EXPECT_EQ(frame.unit_m, 1.0);
   ASSERT_EQ(frame.notes.size(), 1u);
   EXPECT_NE(frame.notes[0].find("looks like millimetres"), std::string::npos);
@@ -180,7 +181,7 @@ TEST(FindFrame, keeps_an_object_of_unknown_unit_and_says_what_it_looks_like) {
 
 TEST(FindFrame, stands_a_small_flat_thing_up_to_face_the_visitor) {
   const auto front_of = [](Model model) {
-    const FoundFrame frame = find_frame(&model);
+    const FoundFrame frame = find_frame(&model, StatedFrame::kNothing);
     return Eigen::Vector3d(frame.T_scene_file.linear() * Eigen::Vector3d::UnitY());
   };
   Model coin = model_of({box_mesh(box({0, 0, 0}, {0.03, 0.002, 0.03}), false)});
@@ -192,6 +193,40 @@ TEST(FindFrame, stands_a_small_flat_thing_up_to_face_the_visitor) {
   EXPECT_TRUE(front_of(coin).isApprox(Eigen::Vector3d::UnitY())) << "the author's camera shows it as it lies";
   EXPECT_TRUE(front_of(model_of({box_mesh(box({0, 0, 0}, {20, 0.5, 20}), false)})).isApprox(Eigen::Vector3d::UnitY()))
       << "ground to walk on";
+}
+
+TEST(FindFrame, a_file_of_no_stated_axis_that_stands_on_z_is_turned) {
+  const auto up_of = [](const Box& bounds, StatedFrame stated) {
+    Model model = model_of({box_mesh(bounds, false)});
+    return Eigen::Vector3d(find_frame(&model, stated).T_scene_file.linear() * Eigen::Vector3d::UnitZ());
+  };
+  const Box on_z = box({-1, -1, 0}, {1, 1, 3});
+  EXPECT_TRUE(up_of(on_z, StatedFrame::kNothing).isApprox(Eigen::Vector3d::UnitY()));
+  EXPECT_TRUE(up_of(on_z, StatedFrame::kUp).isApprox(Eigen::Vector3d::UnitZ())) << "glTF prescribes y";
+  EXPECT_TRUE(up_of(box({0, 0, 0}, {1, 1, 1}), StatedFrame::kNothing).isApprox(Eigen::Vector3d::UnitZ())) << "no sign";
+  EXPECT_TRUE(up_of(box({-1, -1, -1}, {1, 1, 1}), StatedFrame::kNothing).isApprox(Eigen::Vector3d::UnitZ()));
+}
+
+TEST(FindFrame, a_building_in_centimetres_is_no_hall_of_fifty_metres) {
+  Model house = model_of({box_mesh(box({0, 0, 0}, {1500, 300, 1200}), true)});
+  EXPECT_EQ(find_frame(&house, StatedFrame::kNothing).unit_m, 0.01);
+  house = model_of({box_mesh(box({0, 0, 0}, {150, 30, 120}), true)});
+  EXPECT_EQ(find_frame(&house, StatedFrame::kNothing).unit_m, 1.0) << "a hall, or something in decimetres";
+}
+
+TEST(FindFrame, a_room_in_centimetres_that_lacks_a_wall_is_recognised) {
+  Mesh cornell = box_mesh(box({0, 0, 0}, {556, 549, 559}), true);
+  std::erase_if(cornell.triangles, [&](const auto& t) {
+    return cornell.positions[t[0]][2] < 1.0f && cornell.positions[t[1]][2] < 1.0f && cornell.positions[t[2]][2] < 1.0f;
+  });
+  Model model = model_of({cornell});
+  EXPECT_EQ(find_frame(&model, StatedFrame::kNothing).unit_m, 0.01);
+}
+
+TEST(FindFrame, surveyors_files_are_in_metres) {
+  Model tile = model_of({box_mesh(box({0, 0, 0}, {5200, 330, 4000}), false)});
+  EXPECT_EQ(find_frame(&tile, StatedFrame::kUpAndMetres).unit_m, 1.0);
+  EXPECT_EQ(find_frame(&tile, StatedFrame::kUp).unit_m, 0.001);
 }
 
 TEST(FindSettings, an_object_of_any_size_is_seen_whole_with_room_to_walk_around_it) {
@@ -245,6 +280,106 @@ TEST(FindSettings, degenerate_geometry_gets_a_view) {
   settings_of(model_of({point}));
   Mesh huge = box_mesh(box({-1e12, -1e12, -1e12}, {1e12, 1e12, 1e12}), true);
   settings_of(model_of({huge}));
+}
+
+TEST(FindSettings, the_inside_of_a_thin_shell_is_no_room) {
+  // A tank 190 m long whose two sides lie in the same cells of the grid.
+  const Mesh outer = box_mesh(box({0, 0, 0}, {190, 14, 20}), false);
+  const FoundSettings found = settings_of(model_of({outer}));
+  EXPECT_EQ(found.kind, SceneKind::kObject);
+  EXPECT_FALSE(box({0, 0, 0}, {190, 14, 20}).contains(found.eye));
+}
+
+TEST(FindSettings, a_room_lower_than_a_few_cells_is_not_recognised_in_a_large_scene) {
+  // A town 600 m wide, with a wide roof 6 m above the ground.
+  const Mesh ground = box_mesh(box({-300, -1, -300}, {300, 0, 300}), false);
+  const Mesh roof = box_mesh(box({-40, 6, -40}, {40, 7, 40}), false);
+  const Mesh tower = box_mesh(box({60, 0, -10}, {80, 30, 10}), false);
+  const FoundSettings found = settings_of(model_of({ground, roof, tower}));
+  EXPECT_EQ(found.kind, SceneKind::kSite);
+  EXPECT_NEAR(found.eye.y(), 1.6, 0.3) << "stands on the ground, although a cell is 6 m high";
+}
+
+TEST(FindSettings, the_top_of_a_globe_between_others_is_not_ground) {
+  // The ground around its top is a ring, whose outline encloses more than the ring.
+  std::vector<Mesh> steps;
+  for (int i = 0; i < 12; ++i) {
+    const double radius = std::sqrt(std::max(0.0, 9.0 - 0.25 * (i - 6) * (i - 6)));
+    steps.push_back(box_mesh(box({-radius, 0.5 * i - 3.0, -radius}, {radius, 0.5 * i - 2.5, radius}), false));
+  }
+  EXPECT_EQ(settings_of(model_of(std::move(steps))).kind, SceneKind::kObject);
+}
+
+TEST(FindSettings, a_small_room_that_lacks_a_wall_is_looked_into) {
+  Mesh cornell = box_mesh(box({0, 0, 0}, {5.5, 5.5, 5.6}), true);
+  std::erase_if(cornell.triangles, [&](const auto& t) {
+    return cornell.positions[t[0]][2] < 1.0f && cornell.positions[t[1]][2] < 1.0f && cornell.positions[t[2]][2] < 1.0f;
+  });
+  const FoundSettings found = settings_of(model_of({cornell, box_mesh(box({2.6, 0, 2.5}, {4.7, 3.3, 4.5}), false),
+                                                    box_mesh(box({0.8, 0, 0.7}, {2.9, 1.6, 2.7}), false)}));
+  EXPECT_EQ(found.kind, SceneKind::kObject);
+  EXPECT_LT(found.eye.z(), -2.0);
+  EXPECT_NEAR(std::cos(found.heading_rad), -1.0, 1e-6) << "looks along +z, into it";
+}
+
+TEST(FindSettings, an_empty_landscape_is_seen_from_above) {
+  const FoundSettings found = settings_of(model_of({box_mesh(box({0, 0, 0}, {2000, 4, 2000}), false)}));
+  EXPECT_EQ(found.kind, SceneKind::kObject);
+  EXPECT_GT(found.eye.y(), 200.0);
+}
+
+TEST(FindSettings, a_thing_that_lies_flat_is_seen_from_higher_up) {
+  const FoundSettings found = settings_of(model_of({box_mesh(box({0, 0, 0}, {1, 0.1, 1}), false)}));
+  const double distance = found.eye.z() - 1.0;
+  EXPECT_GT(found.eye.y(), 0.3);
+  EXPECT_LT(found.eye.y() / distance, 0.55) << "its nearest edge is on the wall";
+}
+
+TEST(FindSettings, a_thin_thing_is_not_seen_from_its_edge) {
+  // A sheet that is nearly along z, and open at its back.
+  Mesh sheet;
+  sheet.positions = {{0, 0, 0}, {0.3f, 0, 1}, {0.3f, 1, 1}, {0, 1, 0}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.3, 0, 1).cross(Eigen::Vector3d::UnitY()).normalized();
+  const FoundSettings found = settings_of(model_of({sheet}));
+  EXPECT_GT((found.eye - Eigen::Vector3d(0.15, 0.5, 0.5)).normalized().dot(normal), 0.8);
+}
+
+TEST(BackFaces, are_seen_from_inside_of_a_thing_and_not_from_inside_of_a_room) {
+  const Box walls = box({0, 0, 0}, {2, 3, 4});
+  const Eigen::Vector3d inside(0.7, 1.0, 3.0);
+  EXPECT_EQ(back_face_share(model_of({box_mesh(walls, false)}), inside), 1.0);
+  EXPECT_EQ(back_face_share(model_of({box_mesh(walls, true)}), inside), 0.0);
+  EXPECT_EQ(back_face_share(model_of({box_mesh(walls, false)}), {0, 10, 0}), 0.0);
+  Model mirrored = model_of({box_mesh(walls, true)});
+  mirrored.instances[0].T_model_mesh.scale(Eigen::Vector3d(-1, 1, 1));
+  EXPECT_EQ(back_face_share(mirrored, {-0.7, 1.0, 3.0}), 0.0);
+}
+
+TEST(LevelViewpoint, keeps_a_camera_whose_level_picture_shows_the_scene) {
+  const Box thing = box({-1, 0, -1}, {1, 2, 1});
+  for (const Eigen::Vector3d& eye : {Eigen::Vector3d(0, 1, 5), Eigen::Vector3d(4, 2.2, 4), Eigen::Vector3d(0, 1, 0)}) {
+    const Viewpoint view{"camera", eye, (thing.center() - eye + Eigen::Vector3d(0, 0, -0.1)).normalized()};
+    const Viewpoint level = level_viewpoint(view, thing);
+    EXPECT_EQ(level.eye, eye);
+    EXPECT_EQ(level.direction, view.direction);
+  }
+}
+
+TEST(LevelViewpoint, goes_down_to_the_wall_s_view_on_the_side_of_a_camera_that_looks_down) {
+  const Box thing = box({-371, -181, -140}, {371, 92, 128});
+  const Eigen::Vector3d eye(1006, 766, 953);  // A sample model's camera.
+  const Viewpoint level = level_viewpoint({"camera", eye, (thing.center() - eye).normalized()}, thing);
+  EXPECT_GT(level.eye.x(), 371.0);
+  EXPECT_GT(level.eye.z(), 128.0);
+  EXPECT_EQ(level.direction.y(), 0.0);
+  const double distance = std::hypot(level.eye.x(), level.eye.z());
+  EXPECT_LT((92.0 - level.eye.y()) / distance, 0.3);
+  EXPECT_GT((-181.0 - level.eye.y()) / distance, -0.5);
+  // A camera straight above has no heading of its own.
+  const Viewpoint above = level_viewpoint({"top", {0, 5000, 0}, -Eigen::Vector3d::UnitY()}, thing);
+  EXPECT_TRUE(above.eye.allFinite());
+  EXPECT_NEAR(above.direction.norm(), 1.0, 1e-9);
 }
 
 TEST(AddLight, gives_rooms_lamps_and_objects_a_sky) {

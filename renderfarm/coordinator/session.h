@@ -23,7 +23,6 @@
 #include "renderfarm/coordinator/frame_assembly.h"
 #include "renderfarm/coordinator/governed.h"
 #include "renderfarm/coordinator/ids.h"
-#include "renderfarm/coordinator/light_board.h"
 #include "renderfarm/trust/grants.h"
 
 namespace cyclorama::coordinator {
@@ -166,19 +165,10 @@ struct Node {
   [[nodiscard]] bool has_light(const std::string& scene, const std::string& version) const;
 };
 
+/// Returns "node 'NAME'", for messages.
+[[nodiscard]] std::string title_of(const Node& node);
+
 /// Returns the first digits of a light's version, for messages.
 [[nodiscard]] std::string short_version(const std::string& version);
-
-/// The coordinator's knowledge of the light of a scene.
-struct SceneLightState {
-  std::string in_use{};                  ///< Version for new frames; empty: their paths are traced.
-  wire::LightVersion target{};           ///< Version that all nodes should have; empty if none is known.
-  std::optional<TimePoint> stored_at{};  ///< Time from which the coordinator has the target's file; null: it has not.
-  NodeId sending{};                      ///< Node that was ordered to send the target's file.
-  TimePoint send_ordered_at{};
-  std::map<NodeId, TimePoint> computing{};  ///< Nodes that got the order to take part in computing light, and when.
-  LightBoard board{};                       ///< The division of the work among them.
-  TimePoint gathering_since{};              ///< Last time when no node could compute any.
-};
 
 }  // namespace cyclorama::coordinator

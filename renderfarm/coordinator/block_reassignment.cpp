@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Handling of nodes that are slow, silent or gone.
+#include "renderfarm/coordinator/block_reassignment.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+#include <utility>
 
-#include "common/base/text.h"
 #include "renderfarm/balance/stealing.h"
-#include "renderfarm/coordinator/coordinator_state.h"
 
 namespace cyclorama::coordinator {
 namespace {
@@ -25,57 +24,21 @@ constexpr Duration kLateLogPeriod = std::chrono::seconds(10);
 
 }  // namespace
 
-TimePoint CoordinatorState::next_deadline() const {
-  const TimePoint now = clock_.now();
-  TimePoint next = TimePoint::max();
-  for (const auto& [id, session] : sessions_) {
-    // A deadline in the past has been handled already, or waits for another event.
-    if (session.next_due > now) next = std::min(next, session.next_due);
-  }
-  return next;
-}
-
-void CoordinatorState::watch(SessionId id) {
-  meet_deadlines(id);
-  const auto found = sessions_.find(id);
-  if (found != sessions_.end()) found->second.next_due = deadlines_.next_due(found->second);
-}
-
-void CoordinatorState::meet_deadlines(SessionId id) {
-  const auto found = sessions_.find(id);
-  if (found == sessions_.end() || found->second.frames.empty()) return;
-  Session& session = found->second;
-  FrameInFlight& frame = session.frames.front();
-  if (!frame.begun && !frame.refines) return;
-  const bool has_successor = session.views.is_waiting() || session.frames.size() > 1;
-  if (has_successor && deadlines_.is_late(session, frame)) {
-    const double taken = to_seconds(clock_.now() - frame.foremost_since);
-    session.miss_pace();
-    frame.late = true;
-    fail(frame,
-         fmt::format("late: incomplete after {:.0f} ms; the last complete picture stands in for it", 1e3 * taken),
-         session);
-    for (const NodeId node : deadlines_.silent_nodes(session, frame)) retire(node, session.account);
-    return advance(id);
-  }
-  for (const NodeId node : deadlines_.silent_nodes(session, frame)) retire(node, session.account);
-}
-
-void CoordinatorState::retire(NodeId id, AccountId account) {
+std::set<SessionId> BlockReassignment::retire(NodeId id, AccountId account) {
   Node& node = nodes_.at(id);
-  if (node.is_late(account)) return;
+  if (node.is_late(account)) return {};
   node.late_for.insert(account);
-  log_late_node(node);
+  log_late(node);
   std::map<std::uint64_t, BlockLocation> blocks = node.blocks;  // Copied, because reassigning orders new blocks.
   std::erase_if(blocks, [&](const auto& entry) { return !node.is_late(entry.second.account); });
   for (const auto& [block, place] : blocks) {
-    FrameInFlight* const frame = find_frame(place);
+    FrameInFlight* const frame = sessions_.find_frame(place);
     if (frame != nullptr && !frame->failure) frame->assembly.forgive_attempt(block);
   }
-  lose_blocks(blocks, id);
+  return lose(blocks, id);
 }
 
-void CoordinatorState::log_late_node(Node& node) {
+void BlockReassignment::log_late(Node& node) {
   const TimePoint now = clock_.now();
   if (node.late_logged_at && now - *node.late_logged_at < kLateLogPeriod) {
     ++node.late_unlogged;
@@ -84,32 +47,32 @@ void CoordinatorState::log_late_node(Node& node) {
   node.late_logged_at = now;
   const int untold = std::exchange(node.late_unlogged, 0);
   const std::string more = untold == 0 ? "" : fmt::format(" ({} times more since it was last said)", untold);
-  delegate_.notice(fmt::format("node '{}' keeps a frame waiting; others take over{}", printable(node.name), more),
+  delegate_.notice(fmt::format("{} keeps a frame waiting; others take over{}", title_of(node), more),
                    {.node = node.name, .is_trouble = true});
 }
 
-void CoordinatorState::lose_blocks(const std::map<std::uint64_t, BlockLocation>& blocks, NodeId not_to) {
+std::set<SessionId> BlockReassignment::lose(const std::map<std::uint64_t, BlockLocation>& blocks, NodeId not_to) {
   std::map<std::pair<SessionId, std::uint64_t>, std::vector<PixelRect>> orphans;
   for (const auto& [block, place] : blocks) {
-    FrameInFlight* const frame = find_frame(place);
+    FrameInFlight* const frame = sessions_.find_frame(place);
     if (frame == nullptr || frame->failure) continue;
     std::vector<PixelRect>& tiles = orphans[{place.session, place.frame}];
     for (const PixelRect& tile : frame->assembly.give_up(block)) tiles.push_back(tile);
   }
   std::set<SessionId> touched;
   for (auto& [place, tiles] : orphans) {
-    FrameInFlight* const frame = find_frame({place.first, place.second});
+    FrameInFlight* const frame = sessions_.find_frame({place.first, place.second});
     reassign(place.first, sessions_.at(place.first), *frame, std::move(tiles), not_to);
     touched.insert(place.first);
   }
-  for (const SessionId id : touched) advance(id);
+  return touched;
 }
 
-void CoordinatorState::reassign(SessionId id, Session& session, FrameInFlight& frame, std::vector<PixelRect> tiles,
-                                NodeId not_to) {
+void BlockReassignment::reassign(SessionId id, Session& session, FrameInFlight& frame, std::vector<PixelRect> tiles,
+                                 NodeId not_to) {
   if (tiles.empty()) return;
   const std::vector<NodeId> nodes = nodes_.able(session.scene, session.account, frame.view.light(), not_to);
-  if (nodes.empty()) return fail(frame, "no node is left that can render it", session);
+  if (nodes.empty()) return orders_.give_up(frame, "no node is left that can render it", session);
   const auto is_idle = [&](NodeId node) { return !frame.assembly.waits_for(node); };
   const auto idle = static_cast<std::size_t>(std::ranges::count_if(nodes, is_idle));
   // Cut tiles so that all idle nodes help. A picture at rest keeps its tiles, since its sums are stored per tile.
@@ -122,18 +85,19 @@ void CoordinatorState::reassign(SessionId id, Session& session, FrameInFlight& f
   }
   for (const PixelRect& tile : tiles) {
     if (frame.assembly.attempts(tile) >= kMaxAttempts) {
-      return fail(frame, fmt::format("{} nodes failed at the same tile", kMaxAttempts), session);
+      return orders_.give_up(frame, fmt::format("{} nodes failed at the same tile", kMaxAttempts), session);
     }
     const NodeId node = nodes_.least_loaded(nodes);
     if (nodes_.at(node).blocks.size() >= kMaxBlocksPerNode) {
-      return fail(frame, "too many blocks wait for the nodes that are left", session);
+      return orders_.give_up(frame, "too many blocks wait for the nodes that are left", session);
     }
-    frame.assembly.replan(++last_block_, node, tile);
-    order_block(id, session, frame, last_block_, node, tile);
+    const std::uint64_t number = orders_.next_number();
+    frame.assembly.replan(number, node, tile);
+    orders_.order(id, session, frame, number, node, tile);
   }
 }
 
-void CoordinatorState::move_block_to_idle(SessionId id, Session& session, FrameInFlight& frame, NodeId idle) {
+void BlockReassignment::move_block_to_idle(SessionId id, Session& session, FrameInFlight& frame, NodeId idle) {
   if (frame.refines || frame.failure || frame.assembly.waits_for(idle)) return;
   std::vector<NodeId> nodes;
   std::vector<balance::NodeQueue> queues;
@@ -159,12 +123,11 @@ void CoordinatorState::move_block_to_idle(SessionId id, Session& session, FrameI
   const auto steal = balance::choose_steal(queues, taker, kStealSeconds);
   if (!steal) return;
   const std::uint64_t from = numbers[steal->from][steal->block];
-  frame.assembly.move(from, ++last_block_, idle, taking.scenes.at(session.scene).speed);
+  const std::uint64_t number = orders_.next_number();
+  frame.assembly.move(from, number, idle, taking.scenes.at(session.scene).speed);
   ++frame.moved;
-  wire::NodeCommand cancel;
-  cancel.mutable_cancel()->set_block(from);
-  delegate_.to_node(nodes[steal->from], cancel);
-  order_block(id, session, frame, last_block_, idle, frame.assembly.blocks().at(last_block_).rect);
+  orders_.cancel(nodes[steal->from], from);
+  orders_.order(id, session, frame, number, idle, frame.assembly.blocks().at(number).rect);
 }
 
 }  // namespace cyclorama::coordinator

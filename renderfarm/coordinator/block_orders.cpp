@@ -16,9 +16,10 @@ constexpr int kMaxStated = 16;
 
 }  // namespace
 
-void BlockOrders::order(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block,
-                        NodeId node_id, const PixelRect& rect) {
+void BlockOrders::order(SessionId id, Session& session, const FrameInFlight& frame, std::uint64_t block, NodeId node_id,
+                        const PixelRect& rect) {
   Node& node = nodes_.at(node_id);
+  session.due.earliest = TimePoint::min();
   if (node.blocks.empty()) node.worked_at = clock_.now();  // Time spent idle does not count as silence.
   node.blocks[block] = {id, frame.id, session.account, frame.turn.work};
   wire::NodeCommand command;

@@ -27,7 +27,7 @@ class BlockOrders {
   std::uint64_t next_number() { return ++last_; }
   [[nodiscard]] std::uint64_t last_number() const { return last_; }
   /// Orders a block of the frame from the node.
-  void order(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block, NodeId node,
+  void order(SessionId id, Session& session, const FrameInFlight& frame, std::uint64_t block, NodeId node,
              const PixelRect& rect);
   void cancel(NodeId node, std::uint64_t block);
   /// Cancels the frame's blocks that their nodes have not ended.

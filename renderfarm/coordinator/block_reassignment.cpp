@@ -99,30 +99,30 @@ void BlockReassignment::reassign(SessionId id, Session& session, FrameInFlight& 
 
 void BlockReassignment::move_block_to_idle(SessionId id, Session& session, FrameInFlight& frame, NodeId idle) {
   if (frame.refines || frame.failure || frame.assembly.waits_for(idle)) return;
+  const TimePoint now = clock_.now();
   std::vector<NodeId> nodes;
   std::vector<balance::NodeQueue> queues;
-  std::vector<std::vector<std::uint64_t>> numbers;
-  const auto index_of = [&](NodeId id_of) {
-    const auto found = std::ranges::find(nodes, id_of);
-    if (found != nodes.end()) return static_cast<std::size_t>(found - nodes.begin());
+  const auto add = [&](NodeId id_of) -> balance::NodeQueue& {
     const Node& node = nodes_.at(id_of);
     nodes.push_back(id_of);
-    queues.push_back({speeds_.wall_speed_of(node, session.scene), {}, to_seconds(clock_.now() - node.worked_at)});
-    numbers.emplace_back();
-    return nodes.size() - 1;
+    return queues.emplace_back(
+        balance::NodeQueue{speeds_.wall_speed_of(node, session.scene), {}, to_seconds(now - node.worked_at)});
   };
-  const std::size_t taker = index_of(idle);
-  for (const auto& [number, block] : frame.assembly.blocks()) {
-    if (!block.is_outstanding() || !nodes_.contains(block.node)) continue;
-    const std::size_t i = index_of(block.node);
-    queues[i].blocks.push_back({block.forecast.seconds, block.forecast.stealable && block.delivered == 0});
-    numbers[i].push_back(number);
+  add(idle);
+  for (const auto& [owing, numbers] : frame.assembly.outstanding()) {
+    // The block that a node works on cannot be moved.
+    if (numbers.size() < 2 || !nodes_.contains(owing)) continue;
+    balance::NodeQueue& queue = add(owing);
+    for (const std::uint64_t number : numbers) {
+      const FrameAssembly::Block& block = frame.assembly.blocks().at(number);
+      queue.blocks.push_back({block.forecast.seconds, block.forecast.stealable && block.delivered == 0});
+    }
   }
   const Node& taking = nodes_.at(idle);
   if (taking.is_late(session.account) || taking.status.draining()) return;
-  const auto steal = balance::choose_steal(queues, taker, kStealSeconds);
+  const auto steal = balance::choose_steal(queues, 0, kStealSeconds);
   if (!steal) return;
-  const std::uint64_t from = numbers[steal->from][steal->block];
+  const std::uint64_t from = frame.assembly.outstanding().at(nodes[steal->from])[steal->block];
   const std::uint64_t number = orders_.next_number();
   frame.assembly.move(from, number, idle, taking.scenes.at(session.scene).speed);
   ++frame.moved;

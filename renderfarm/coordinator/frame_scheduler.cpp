@@ -49,6 +49,7 @@ void FrameScheduler::advance(SessionId id) {
       if (!frame.is_over()) break;
       finish(id, session, frame);
       session.frames.pop_front();
+      session.due.earliest = TimePoint::min();
     }
     if (session.governed && session.governed->refinement) refine(id, session);
     CHECK(session.views.in_flight() == session.frames.size() + session.unwritten_ends.size());
@@ -84,10 +85,10 @@ void FrameScheduler::refine(SessionId id, Session& session) {
   const std::vector<AssignedBlock> blocks = parts_.resting.begin(id, session);
   if (blocks.empty()) return;
   order(id, session, session.frames.back(), blocks);
-  session.next_due = parts_.deadlines.next_due(session);
+  session.due = parts_.deadlines.due(session);
 }
 
-void FrameScheduler::order(SessionId id, const Session& session, FrameInFlight& frame,
+void FrameScheduler::order(SessionId id, Session& session, FrameInFlight& frame,
                            const std::vector<AssignedBlock>& blocks) {
   const std::uint64_t first_block = parts_.orders.last_number() + 1;
   frame.threads = parts_.planner.threads_of(blocks);
@@ -106,6 +107,7 @@ void FrameScheduler::order(SessionId id, const Session& session, FrameInFlight& 
 void FrameScheduler::begin(SessionId id, Session& session, FrameInFlight& frame) {
   frame.begun = true;
   frame.foremost_since = parts_.clock.now();
+  session.due.earliest = TimePoint::min();
   wire::SessionReply reply;
   *reply.mutable_begin() = frame.view;
   parts_.sessions.send(id, session, std::move(reply));
@@ -226,9 +228,12 @@ void FrameScheduler::lose(const std::map<std::uint64_t, BlockLocation>& blocks, 
 }
 
 void FrameScheduler::watch(SessionId id) {
+  const Session* const before = parts_.sessions.find(id);
+  // Work only moves deadlines to later times, so there is nothing to do before the earliest one.
+  if (before == nullptr || parts_.clock.now() < before->due.earliest) return;
   meet_deadlines(id);
   Session* const session = parts_.sessions.find(id);
-  if (session != nullptr) session->next_due = parts_.deadlines.next_due(*session);
+  if (session != nullptr) session->due = parts_.deadlines.due(*session);
 }
 
 void FrameScheduler::meet_deadlines(SessionId id) {
@@ -258,7 +263,7 @@ TimePoint FrameScheduler::next_deadline() const {
   TimePoint next = TimePoint::max();
   for (const auto& [id, session] : parts_.sessions) {
     // A deadline in the past has been handled already, or waits for another event.
-    if (session.next_due > now) next = std::min(next, session.next_due);
+    if (session.due.next > now) next = std::min(next, session.due.next);
   }
   return next;
 }

@@ -90,7 +90,7 @@ class FrameScheduler {
 
  private:
   void plan(SessionId id, Session& session);
-  void order(SessionId id, const Session& session, FrameInFlight& frame, const std::vector<AssignedBlock>& blocks);
+  void order(SessionId id, Session& session, FrameInFlight& frame, const std::vector<AssignedBlock>& blocks);
   void begin(SessionId id, Session& session, FrameInFlight& frame);
   void relay(SessionId id, Session& session, wire::Tile tile);
   void finish(SessionId id, Session& session, FrameInFlight& frame);

@@ -72,6 +72,13 @@ struct WrittenFrame {
   int samples_added = 0;    ///< Samples per pixel that a refinement added; 0 for other frames.
 };
 
+/// Deadlines of a session's oldest frame.
+struct DueTimes {
+  /// The earliest of all, also if it has passed. A lower bound: nodes that work move it. min(): to be computed again.
+  TimePoint earliest = TimePoint::min();
+  TimePoint next = TimePoint::max();  ///< The earliest that has not passed.
+};
+
 struct Session {
   trust::Grant grant{};  ///< Permissions of the session.
   std::string museum{};
@@ -95,7 +102,7 @@ struct Session {
   double frame_cpu_seconds = 0.05;
   double refinement_cpu_seconds = 0.05;
   double pace_seconds = kInitialPaceSeconds;  ///< Recent frame time: a maximum that decays slowly.
-  TimePoint next_due = TimePoint::max();      ///< Next deadline of the oldest frame.
+  DueTimes due{};                             ///< Deadlines of the oldest frame.
   std::uint64_t watermark = 0;                ///< See wire::RenderBlock::watermark.
 
   static constexpr double kInitialPaceSeconds = 0.5;

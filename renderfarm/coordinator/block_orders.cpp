@@ -87,7 +87,8 @@ std::optional<BlockLocation> BlockOrders::end(Node& node, const wire::BlockEnd& 
   node.blocks.erase(found);
   const auto account = node.accounts.find({place.account, place.work});
   if (--account->second.blocks == 0) node.accounts.erase(account);
-  charge(&place, measured_seconds(end.render_cpu_seconds()) + measured_seconds(end.encode_cpu_seconds()));
+  charge(&place,
+         measured_seconds(end.render_cpu_seconds()) + measured_seconds(end.encode_cpu_seconds()) + kOverheadSeconds);
   return place;
 }
 

@@ -19,6 +19,11 @@ namespace cyclorama::coordinator {
 /// thread-bound; what it is given must outlive it.
 class BlockOrders {
  public:
+  /// Processor time that the farm spends on a block beyond its rays: one tile and its acknowledgement through gRPC with
+  /// TLS, in seconds. Each block is charged for it, so that a museum cannot get more than its share by requesting many
+  /// tiny pictures.
+  static constexpr double kOverheadSeconds = 0.0003;
+
   BlockOrders(NodeTable& nodes, SessionTable& sessions, Accounts& accounts, const Clock& clock,
               CoordinatorDelegate& delegate)
       : nodes_(nodes), sessions_(sessions), accounts_(accounts), clock_(clock), delegate_(delegate) {}

@@ -5,11 +5,11 @@
 #include <array>
 #include <set>
 
+#include "renderfarm/coordinator/block_orders.h"
+
 namespace cyclorama::coordinator {
 namespace {
 
-/// Overhead of a block in seconds: one tile and its acknowledgement through gRPC with TLS.
-constexpr double kBlockSeconds = 0.0003;
 /// Overhead of one more node in seconds, until its orders are written; measured as the fan-out of `./bench.sh
 /// farm-overhead`. The node's tiles arrive while other nodes render.
 constexpr double kNodeSeconds = 0.00005;
@@ -50,7 +50,7 @@ std::vector<AssignedBlock> FramePlanner::split(SessionId id, Session& session, c
   request.eye_m = eye_of(view);
   request.effort = effort_of(view);
   request.stacked = stacked(view);
-  request.block_overhead_seconds = kBlockSeconds;
+  request.block_overhead_seconds = BlockOrders::kOverheadSeconds;
   request.node_overhead_seconds = kNodeSeconds;
   request.whole_blocks = whole_blocks;
   std::vector<AssignedBlock> blocks;

@@ -14,6 +14,9 @@ namespace {
 /// Maximum samples of a view with stored light. More would show no difference, and would delay other museums' blocks,
 /// because the samples of a cell are traced together.
 constexpr std::uint32_t kMaxStoredLightSamples = 64;
+/// Maximum path segments of a pixel with adaptive sampling. A cell's samples then depend on each other, so that a node
+/// does not interrupt it for other museums' blocks; this many segments take it some tens of milliseconds.
+constexpr std::uint64_t kMaxAdaptiveSegments = 512;
 constexpr double kMaxBudgetMs = 60000.0;
 constexpr std::uint32_t kUsualReference = 1024;
 constexpr std::uint32_t kMaxReferenceSamples = 4096;
@@ -38,6 +41,11 @@ Status SessionAdmission::check_view(const Session& session, const wire::View& vi
   if (view.stored_light() && view.samples() > kMaxStoredLightSamples) {
     return refused(
         fmt::format("view.samples is {}; with stored light it is at most {}", view.samples(), kMaxStoredLightSamples));
+  }
+  const std::uint64_t segments = std::uint64_t{view.samples()} * (1 + std::uint64_t{view.bounces()});
+  if (view.adaptive_error() > 0.0f && segments > kMaxAdaptiveSegments) {
+    return refused(fmt::format("view.samples times (1 + view.bounces) is {}; with adaptive sampling it is at most {}",
+                               segments, kMaxAdaptiveSegments));
   }
   if (view.number() <= session.newest_view) {
     return refused(fmt::format("view.number is {} after {}; it must increase", view.number(), session.newest_view));

@@ -24,6 +24,7 @@ void CoordinatorState::session_connected(SessionId id, trust::Grant grant) {
   session.watermark = grant.watermark;
   session.grant = std::move(grant);
   session.arrived_at = clock_.now();
+  session.pace_seconds = to_seconds(limits_.first_frame);
   session.balancer = balance::make_balancer(strategy_);
   sessions_.add(id, std::move(session));
 }

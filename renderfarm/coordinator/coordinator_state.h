@@ -43,6 +43,8 @@ struct CoordinatorLimits {
   std::size_t session_bytes = std::size_t{256} << 20;
   Duration silence = std::chrono::seconds(10);  ///< Timeout for a new peer's first message (hello or open).
   Duration stall = std::chrono::seconds(30);    ///< Timeout for a museum that takes none of its queued messages.
+  /// Frame time that a session's first deadlines assume, until its own frames have been measured.
+  Duration first_frame = std::chrono::milliseconds(500);
   /// Time that nodes have to connect and report the light that they have, before one is ordered to compute it.
   Duration light_gathering = std::chrono::seconds(3);
 };

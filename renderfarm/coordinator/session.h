@@ -101,11 +101,10 @@ struct Session {
   /// Charges of the last moving frame and of the last refinement; each predicts the charge of the next one of its kind.
   double frame_cpu_seconds = 0.05;
   double refinement_cpu_seconds = 0.05;
-  double pace_seconds = kInitialPaceSeconds;  ///< Recent frame time: a maximum that decays slowly.
+  double pace_seconds = 0.5;                  ///< Recent frame time: a maximum that decays slowly.
   DueTimes due{};                             ///< Deadlines of the oldest frame.
   std::uint64_t watermark = 0;                ///< See wire::RenderBlock::watermark.
 
-  static constexpr double kInitialPaceSeconds = 0.5;
   static constexpr double kMaxPaceSeconds = 60.0;
   /// Updates the pace with the time of a frame, counted from when it became the oldest frame of the session.
   void learn_pace(double seconds) {

@@ -32,6 +32,7 @@ AccountId Accounts::open(const std::string& museum, const Terms& terms) {
   }
   account.terms = terms;
   ++account.sessions;
+  sum_up_weights();
   return id;
 }
 
@@ -41,9 +42,10 @@ void Accounts::close(AccountId id) {
   if (--account.sessions > 0) return;
   if (account.museum.empty()) {
     accounts_.erase(id);
-    return;
+  } else {
+    for (Flow& flow : account.flows) flow = {flow.time, 0.0, 0.0, 0};
   }
-  for (Flow& flow : account.flows) flow = {flow.time, 0.0, 0.0, 0};
+  sum_up_weights();
 }
 
 double Accounts::fair_time(std::size_t work, TimePoint now) {
@@ -107,13 +109,14 @@ double Accounts::received(AccountId id, WorkClass work) const {
   return found == accounts_.end() ? 0.0 : found->second.flows[index_of(work)].time;
 }
 
-double Accounts::credit() const {
-  double weights = 0.0;
+void Accounts::sum_up_weights() {
+  weights_ = 0.0;
   for (const auto& [id, account] : accounts_) {
-    if (account.sessions > 0) weights += account.terms.weight;
+    if (account.sessions > 0) weights_ += account.terms.weight;
   }
-  return weights > 0.0 ? kCreditSeconds * threads_ / weights : 0.0;
 }
+
+double Accounts::credit() const { return weights_ > 0.0 ? kCreditSeconds * threads_ / weights_ : 0.0; }
 
 double Accounts::weight(AccountId id) const { return accounts_.at(id).terms.weight; }
 

@@ -105,7 +105,11 @@ class Accounts {
   /// but is never more than a credit behind those who have frames in flight, and never ahead of all.
   [[nodiscard]] double fair_time(std::size_t work, TimePoint now);
 
+  /// Sums up the weights of the accounts that have a session.
+  void sum_up_weights();
+
   double threads_ = 1.0;
+  double weights_ = 0.0;  ///< Weights of the accounts that have a session.
   std::array<FairShare, kWorkClasses> fair_{};
   std::map<AccountId, Account> accounts_;
   std::map<std::string, AccountId> named_;

@@ -44,29 +44,21 @@ std::vector<std::string> light_of(const Node& node) {
 
 }  // namespace
 
-void CoordinatorState::order_written(NodeId id, std::uint64_t block, TimePoint at) {
-  const auto node = nodes_.find(id);
-  if (node == nodes_.end()) return;
-  const auto place = node->second.blocks.find(block);
-  FrameInFlight* const frame = place == node->second.blocks.end() ? nullptr : find_frame(place->second);
-  if (frame != nullptr && block <= frame->last_planned) frame->fanned_out_at = std::max(frame->fanned_out_at, at);
-}
-
 std::string CoordinatorState::museum_of(SessionId id) const {
-  const auto session = sessions_.find(id);
-  return session == sessions_.end() ? "" : session->second.museum;
+  const Session* const session = sessions_.find(id);
+  return session == nullptr ? "" : session->museum;
 }
 
 watch::FarmOverview CoordinatorState::overview() const {
   watch::FarmOverview farm;
-  for (const FarmScene& scene : scenes_) farm.scene_nodes[scene.name] = nodes_with(scene.name);
+  for (const FarmScene& scene : catalogue_.all()) farm.scene_nodes[scene.name] = nodes_with(scene.name);
   for (const auto& [id, session] : sessions_) {
     if (session.scene.empty()) continue;
     watch::WatchedSession& watched = farm.sessions.emplace_back();
     watched.id = static_cast<std::uint64_t>(id);
     watched.museum = session.museum;
     watched.scene = session.scene;
-    watched.light = light_summary(session.scene);
+    watched.light = lights_.summary(session.scene);
     watched.budget_ms = session.governed ? session.governed->governor.budget_ms() : 0.0;
   }
   for (const auto& [id, node] : nodes_) {

@@ -3,48 +3,29 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <utility>
+
+#include "renderfarm/coordinator/session_governor.h"
 
 namespace cyclorama::coordinator {
 
 CoordinatorState::CoordinatorState(std::vector<FarmScene> scenes, balance::BalanceStrategy strategy,
                                    CoordinatorLimits limits, const Clock& clock, CoordinatorDelegate& delegate)
-    : scenes_(std::move(scenes)), strategy_(strategy), limits_(limits), clock_(clock), delegate_(delegate) {
-  CHECK(!scenes_.empty());
-}
+    : strategy_(strategy), limits_(limits), clock_(clock), delegate_(delegate), catalogue_(std::move(scenes)) {}
 
 void CoordinatorState::tick() {
-  for (const FarmScene& scene : scenes_) speeds_.compare(scene.name, &nodes_, clock_.now());
+  for (const FarmScene& scene : catalogue_.all()) speeds_.compare(scene.name, &nodes_, clock_.now());
   accounts_.set_threads(nodes_.capacity());
   placement_.expire(clock_.now());
   tick_nodes();
-  for (const FarmScene& scene : scenes_) follow_light(scene.name);
+  for (const FarmScene& scene : catalogue_.all()) lights_.follow(scene.name);
   tick_sessions();
 }
 
-wire::ListScenesReply CoordinatorState::scenes(const trust::Grant& grant) const {
-  wire::ListScenesReply reply;
-  for (const FarmScene& scene : scenes_) {
-    if (!grant.allows(scene.name)) continue;
-    wire::SceneSummary* const summary = reply.add_scenes();
-    summary->set_name(scene.name);
-    const wire::SceneDescription* const known = description(scene.name);
-    summary->set_title(known != nullptr && !known->title().empty() ? known->title() : scene.name);
-  }
-  return reply;
-}
-
-const wire::SceneDescription* CoordinatorState::description(const std::string& scene) const {
-  const auto known = descriptions_.find(scene);
-  return known == descriptions_.end() ? nullptr : &known->second;
-}
-
-std::size_t CoordinatorState::nodes_with(const std::string& scene) const { return nodes_.count_with(scene); }
-
 std::string CoordinatorState::summary() const {
   if (nodes_.empty()) return "no node is connected; start cyclorama-node on the render hosts";
-  for (const FarmScene& scene : scenes_) {
-    if (nodes_with(scene.name) == 0) return unavailable_reason(scene.name).message();
+  for (const FarmScene& scene : catalogue_.all()) {
+    if (nodes_with(scene.name) == 0) return scene_orders_.unavailable_reason(scene.name).message();
   }
   std::string sentence = fmt::format("{} sessions on {} nodes", sessions_.size(), nodes_.size());
   if (sessions_.size() == 1) {

@@ -2,7 +2,7 @@
 #include "renderfarm/coordinator/deadlines.h"
 
 #include <algorithm>
-#include <set>
+#include <limits>
 
 namespace cyclorama::coordinator {
 namespace {
@@ -36,31 +36,43 @@ TimePoint late_at(const Session& session, const FrameInFlight& frame) {
 
 }  // namespace
 
-TimePoint Deadlines::due_at(const Session& session, const FrameInFlight& frame,
-                            const FrameAssembly::Block& block) const {
-  const auto node = nodes_.find(block.node);
-  if (node == nodes_.end()) return TimePoint::max();
-  const TimePoint since = std::max(node->second.worked_at, frame.refines ? frame.planned_at : frame.foremost_since);
-  if (frame.refines) {
-    return since + std::max(kMinAtRestTimeout, duration_of(kAtRest * frame.assembly.summary().render_seconds));
+void Deadlines::for_each_due(const Session& session, const FrameInFlight& frame,
+                             const std::function<void(NodeId, const Node&, TimePoint)>& visit) const {
+  const double at_rest = frame.refines ? kAtRest * frame.assembly.summary().render_seconds : 0.0;
+  const Duration silence = std::max(kMinSilenceTimeout, duration_of(kSilent * base_seconds(session)));
+  for (const auto& [id, blocks] : frame.assembly.outstanding()) {
+    const auto node = nodes_.find(id);
+    if (node == nodes_.end()) continue;
+    if (frame.refines) {
+      const TimePoint since = std::max(node->second.worked_at, frame.planned_at);
+      visit(id, node->second, since + std::max(kMinAtRestTimeout, duration_of(at_rest)));
+      continue;
+    }
+    double forecast = 0.0;
+    if (session.costs_known) {
+      forecast = std::numeric_limits<double>::infinity();
+      for (const std::uint64_t block : blocks) {
+        forecast = std::min(forecast, frame.assembly.blocks().at(block).forecast.seconds);
+      }
+      forecast /= speeds_.wall_speed_of(node->second, session.scene);
+    }
+    const TimePoint since = std::max(node->second.worked_at, frame.foremost_since);
+    visit(id, node->second, since + std::max(silence, duration_of(kExpected * forecast)));
   }
-  const double expected =
-      session.costs_known ? block.forecast.seconds / speeds_.wall_speed_of(node->second, session.scene) : 0.0;
-  return since + std::max({kMinSilenceTimeout, duration_of(kExpected * expected),
-                           duration_of(kSilent * base_seconds(session))});
 }
 
-TimePoint Deadlines::next_due(const Session& session) const {
-  TimePoint next = TimePoint::max();
-  if (session.frames.empty()) return next;
+DueTimes Deadlines::due(const Session& session) const {
+  DueTimes due{TimePoint::max(), TimePoint::max()};
+  if (session.frames.empty()) return due;
   const TimePoint now = clock_.now();
   const FrameInFlight& frame = session.frames.front();
-  const auto consider = [&](TimePoint at) { next = at > now ? std::min(next, at) : next; };
-  for (const auto& [number, block] : frame.assembly.blocks()) {
-    if (block.is_outstanding()) consider(due_at(session, frame, block));
-  }
+  const auto consider = [&](TimePoint at) {
+    due.earliest = std::min(due.earliest, at);
+    if (at > now) due.next = std::min(due.next, at);
+  };
+  for_each_due(session, frame, [&](NodeId, const Node&, TimePoint at) { consider(at); });
   if (frame.begun && !frame.refines) consider(late_at(session, frame));
-  return next;
+  return due;
 }
 
 bool Deadlines::is_late(const Session& session, const FrameInFlight& frame) const {
@@ -74,14 +86,13 @@ bool Deadlines::has_idle_node(const Session& session, const FrameInFlight& frame
 }
 
 std::vector<NodeId> Deadlines::silent_nodes(const Session& session, const FrameInFlight& frame) const {
-  std::set<NodeId> silent;
-  if (!has_idle_node(session, frame)) return {};
-  for (const auto& [number, block] : frame.assembly.blocks()) {
-    const auto node = nodes_.find(block.node);
-    if (node == nodes_.end() || node->second.is_late(session.account) || !block.is_outstanding()) continue;
-    if (clock_.now() >= due_at(session, frame, block)) silent.insert(block.node);
-  }
-  return {silent.begin(), silent.end()};
+  std::vector<NodeId> silent;
+  const TimePoint now = clock_.now();
+  for_each_due(session, frame, [&](NodeId id, const Node& node, TimePoint at) {
+    if (now >= at && !node.is_late(session.account)) silent.push_back(id);
+  });
+  if (silent.empty() || !has_idle_node(session, frame)) return {};
+  return silent;
 }
 
 }  // namespace cyclorama::coordinator

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "common/base/clock.h"
@@ -18,16 +19,17 @@ class Deadlines {
   Deadlines(const NodeTable& nodes, const NodeSpeeds& speeds, const Clock& clock)
       : nodes_(nodes), speeds_(speeds), clock_(clock) {}
 
-  /// Returns the next deadline of the session's foremost frame.
-  [[nodiscard]] TimePoint next_due(const Session& session) const;
+  /// Returns the deadlines of the session's oldest frame; max() if there is none.
+  [[nodiscard]] DueTimes due(const Session& session) const;
   /// Returns true if the frame would be given up for a successor.
   [[nodiscard]] bool is_late(const Session& session, const FrameInFlight& frame) const;
   /// Returns the nodes that delay the frame while others are done with it.
   [[nodiscard]] std::vector<NodeId> silent_nodes(const Session& session, const FrameInFlight& frame) const;
 
  private:
-  [[nodiscard]] TimePoint due_at(const Session& session, const FrameInFlight& frame,
-                                 const FrameAssembly::Block& block) const;
+  /// Calls `visit` with each node that owes blocks of the frame, and the earliest time at which one is due.
+  void for_each_due(const Session& session, const FrameInFlight& frame,
+                    const std::function<void(NodeId, const Node&, TimePoint)>& visit) const;
   [[nodiscard]] bool has_idle_node(const Session& session, const FrameInFlight& frame) const;
 
   const NodeTable& nodes_;

@@ -34,7 +34,7 @@ void FrameAssembly::plan(std::uint64_t block, NodeId node, const PixelRect& rect
     ++missing_[tile];
   }
   CHECK(blocks_.emplace(block, Block{node, rect, forecast, tiles}).second);
-  ++outstanding_[node];
+  outstanding_[node].push_back(block);
 }
 
 void FrameAssembly::replan(std::uint64_t block, NodeId node, const PixelRect& tile) {
@@ -71,19 +71,20 @@ std::vector<PixelRect> FrameAssembly::cut(const PixelRect& tile, std::size_t par
 void FrameAssembly::move(std::uint64_t from, std::uint64_t block, NodeId node, double speed) {
   Block& left = blocks_.at(from);
   CHECK(left.wanted && !left.ended && left.delivered == 0);
-  settle(left);
+  settle(from, left);
   left.wanted = false;
   left.moved = true;
   Block taken{node, left.rect, left.forecast, left.tiles};
   taken.forecast.speed = speed;
   CHECK(blocks_.emplace(block, std::move(taken)).second);
-  ++outstanding_[node];
+  outstanding_[node].push_back(block);
 }
 
-void FrameAssembly::settle(const Block& block) {
+void FrameAssembly::settle(std::uint64_t number, const Block& block) {
   if (!block.is_outstanding()) return;
   const auto owing = outstanding_.find(block.node);
-  if (--owing->second == 0) outstanding_.erase(owing);
+  std::erase(owing->second, number);
+  if (owing->second.empty()) outstanding_.erase(owing);
 }
 
 bool FrameAssembly::take(const PixelRect& tile) {
@@ -116,7 +117,7 @@ FrameAssembly::Verdict FrameAssembly::accept(std::uint64_t block, const PixelRec
 
 void FrameAssembly::end(std::uint64_t block, const wire::BlockEnd& end) {
   Block& ended = blocks_.at(block);
-  settle(ended);
+  settle(block, ended);
   ended.ended = true;
   ended.end = end;
 }
@@ -124,7 +125,7 @@ void FrameAssembly::end(std::uint64_t block, const wire::BlockEnd& end) {
 std::vector<PixelRect> FrameAssembly::give_up(std::uint64_t block) {
   Block& lost = blocks_.at(block);
   std::vector<PixelRect> orphans;
-  settle(lost);
+  settle(block, lost);
   if (!std::exchange(lost.wanted, false)) return orphans;
   for (const PixelRect& tile : lost.tiles) {
     const auto missing = missing_.find(tile);
@@ -147,8 +148,7 @@ int FrameAssembly::attempts(const PixelRect& tile) const {
 bool FrameAssembly::is_complete() const {
   if (!missing_.empty()) return false;
   // The times of wanted blocks are needed, too, but not after a reassignment, when other nodes may have been faster.
-  return reassigned_ ||
-         std::ranges::all_of(blocks_, [](const auto& entry) { return entry.second.ended || !entry.second.wanted; });
+  return reassigned_ || outstanding_.empty();
 }
 
 FrameAssembly::Summary FrameAssembly::summary() const {

@@ -72,6 +72,8 @@ class FrameAssembly {
 
   [[nodiscard]] bool has(std::uint64_t block) const { return blocks_.contains(block); }
   [[nodiscard]] const std::map<std::uint64_t, Block>& blocks() const { return blocks_; }
+  /// Returns the numbers of the outstanding blocks of each node that owes any, in ascending order.
+  [[nodiscard]] const std::map<NodeId, std::vector<std::uint64_t>>& outstanding() const { return outstanding_; }
   /// Returns true while the node owes a block.
   [[nodiscard]] bool waits_for(NodeId node) const { return outstanding_.contains(node); }
   /// Returns how often a tile was assigned to nodes that are rendering it or have failed.
@@ -100,10 +102,10 @@ class FrameAssembly {
   [[nodiscard]] bool is_untouched(const PixelRect& tile) const;
 
   /// To be called before the block ends or is no longer wanted.
-  void settle(const Block& block);
+  void settle(std::uint64_t number, const Block& block);
 
   std::map<std::uint64_t, Block> blocks_;
-  std::map<NodeId, int> outstanding_;  ///< Number of outstanding blocks of each node that owes any.
+  std::map<NodeId, std::vector<std::uint64_t>> outstanding_;
   std::map<PixelRect, int> attempts_;
   std::map<PixelRect, int> missing_;                   ///< Number of wanted blocks that contain each missing tile.
   std::map<PixelRect, std::vector<PixelRect>> parts_;  ///< Parts of cut tiles. Each part is in `missing_` or delivered.

@@ -45,8 +45,4 @@ struct GovernorState {
   double ms_per_sample = 0.0;  ///< Milliseconds per sample and megapixel, at rest; 0: unknown.
 };
 
-/// Sets a view's quality settings and multiplies its panorama's size by the quality's scale, rounded to multiples of
-/// 16.
-void apply(const render::PictureQuality& quality, wire::View* view);
-
 }  // namespace cyclorama::coordinator

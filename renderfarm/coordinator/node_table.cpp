@@ -1,10 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/coordinator/node_table.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
+#include "common/base/text.h"
+
 namespace cyclorama::coordinator {
+
+std::string title_of(const Node& node) { return fmt::format("node '{}'", printable(node.name)); }
+
+std::string short_version(const std::string& version) {
+  constexpr std::size_t kDigits = 8;
+  return version.substr(0, kDigits);
+}
+
+bool Node::has_light(const std::string& scene, const std::string& version) const {
+  const auto known = scenes.find(scene);
+  return has(scene) &&
+         std::ranges::find(known->second.light, version, &wire::LightVersion::version) != known->second.light.end();
+}
 
 void NodeTable::add(NodeId id, TimePoint now) {
   Node node;
@@ -22,6 +39,11 @@ std::optional<Node> NodeTable::remove(NodeId id) {
 std::size_t NodeTable::count_with(const std::string& scene) const {
   return static_cast<std::size_t>(
       std::ranges::count_if(nodes_, [&](const auto& entry) { return entry.second.has(scene); }));
+}
+
+std::size_t NodeTable::count_with_light(const std::string& scene, const std::string& version) const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(nodes_, [&](const auto& entry) { return entry.second.has_light(scene, version); }));
 }
 
 std::uint64_t NodeTable::memory_of(const std::string& scene) const {

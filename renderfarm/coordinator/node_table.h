@@ -8,10 +8,14 @@
 #include <string>
 #include <vector>
 
+#include "common/base/error.h"
 #include "renderfarm/coordinator/ids.h"
 #include "renderfarm/coordinator/session.h"
 
 namespace cyclorama::coordinator {
+
+/// Returns the error of a node that violates the protocol: kInvalidArgument.
+[[nodiscard]] inline Error broken(const std::string& what) { return Error(ErrorCode::kInvalidArgument, what); }
 
 /// The nodes that are connected, and which of them can do what. Pure; thread-bound.
 class NodeTable {
@@ -36,6 +40,7 @@ class NodeTable {
   std::optional<Node> remove(NodeId id);
 
   [[nodiscard]] std::size_t count_with(const std::string& scene) const;
+  [[nodiscard]] std::size_t count_with_light(const std::string& scene, const std::string& version) const;
   /// Returns the largest memory that the scene takes at a node that has it; 0 if none has.
   [[nodiscard]] std::uint64_t memory_of(const std::string& scene) const;
   /// Returns the nodes that have the scene, and this version of its light unless it is empty, and are neither late for

@@ -23,7 +23,6 @@
 #include "renderfarm/coordinator/frame_assembly.h"
 #include "renderfarm/coordinator/governed.h"
 #include "renderfarm/coordinator/ids.h"
-#include "renderfarm/coordinator/light_board.h"
 #include "renderfarm/trust/grants.h"
 
 namespace cyclorama::coordinator {
@@ -73,6 +72,13 @@ struct WrittenFrame {
   int samples_added = 0;    ///< Samples per pixel that a refinement added; 0 for other frames.
 };
 
+/// Deadlines of a session's oldest frame.
+struct DueTimes {
+  /// The earliest of all, also if it has passed. A lower bound: nodes that work move it. min(): to be computed again.
+  TimePoint earliest = TimePoint::min();
+  TimePoint next = TimePoint::max();  ///< The earliest that has not passed.
+};
+
 struct Session {
   trust::Grant grant{};  ///< Permissions of the session.
   std::string museum{};
@@ -95,11 +101,10 @@ struct Session {
   /// Charges of the last moving frame and of the last refinement; each predicts the charge of the next one of its kind.
   double frame_cpu_seconds = 0.05;
   double refinement_cpu_seconds = 0.05;
-  double pace_seconds = kInitialPaceSeconds;  ///< Recent frame time: a maximum that decays slowly.
-  TimePoint next_due = TimePoint::max();      ///< Next deadline of the oldest frame.
+  double pace_seconds = 0.5;                  ///< Recent frame time: a maximum that decays slowly.
+  DueTimes due{};                             ///< Deadlines of the oldest frame.
   std::uint64_t watermark = 0;                ///< See wire::RenderBlock::watermark.
 
-  static constexpr double kInitialPaceSeconds = 0.5;
   static constexpr double kMaxPaceSeconds = 60.0;
   /// Updates the pace with the time of a frame, counted from when it became the oldest frame of the session.
   void learn_pace(double seconds) {
@@ -166,19 +171,10 @@ struct Node {
   [[nodiscard]] bool has_light(const std::string& scene, const std::string& version) const;
 };
 
+/// Returns "node 'NAME'", for messages.
+[[nodiscard]] std::string title_of(const Node& node);
+
 /// Returns the first digits of a light's version, for messages.
 [[nodiscard]] std::string short_version(const std::string& version);
-
-/// The coordinator's knowledge of the light of a scene.
-struct SceneLightState {
-  std::string in_use{};                  ///< Version for new frames; empty: their paths are traced.
-  wire::LightVersion target{};           ///< Version that all nodes should have; empty if none is known.
-  std::optional<TimePoint> stored_at{};  ///< Time from which the coordinator has the target's file; null: it has not.
-  NodeId sending{};                      ///< Node that was ordered to send the target's file.
-  TimePoint send_ordered_at{};
-  std::map<NodeId, TimePoint> computing{};  ///< Nodes that got the order to take part in computing light, and when.
-  LightBoard board{};                       ///< The division of the work among them.
-  TimePoint gathering_since{};              ///< Last time when no node could compute any.
-};
 
 }  // namespace cyclorama::coordinator

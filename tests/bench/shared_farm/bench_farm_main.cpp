@@ -13,12 +13,12 @@
 
 namespace {
 
-nlohmann::json fairness(double seconds, bool all) {
+nlohmann::json fairness(double seconds, bool all, const std::string& only) {
   double share_min = 1.0;
   double p99_ratio = 0.0;
   fmt::print("{:34} {:>9} {:>9} {:>9} {:>9} {:>12}\n", "greedy museum", "share", "p99 ms", "p99 ratio", "busy",
              "ms per frame");
-  for (const cyclorama::FairnessCase& each : cyclorama::measure_fairness(seconds)) {
+  for (const cyclorama::FairnessCase& each : cyclorama::measure_fairness(seconds, only)) {
     double p99_ms = 0.0;
     for (const cyclorama::HonestMuseum& museum : each.honest) p99_ms = std::max(p99_ms, museum.p99_ms);
     fmt::print("{:34} {:9.3f} {:9.1f} {:9.2f} {:9.2f} {:12.2f}\n", each.greed, each.share_min(), p99_ms,
@@ -63,12 +63,14 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   bool all = false;
   program.add_flag("--all", all, "Print each museum of each case");
+  std::string only;
+  program.add_option("--only", only, "Simulate only the greedy museums whose name contains this");
   program.require_subcommand(1);
   const auto* const fair = program.add_subcommand("fairness", "Nine honest museums beside a greedy one");
   const auto* const large = program.add_subcommand("scale", "64 nodes and 50 museums");
   CLI11_PARSE(program, argc, argv);
   nlohmann::json figures;
-  if (fair->parsed()) figures = fairness(seconds, all);
+  if (fair->parsed()) figures = fairness(seconds, all, only);
   if (large->parsed()) figures = scale(seconds);
   if (json.empty()) return 0;
   std::ofstream out(json);

@@ -102,7 +102,7 @@ double FairnessCase::p99_ratio() const {
   return max;
 }
 
-std::vector<FairnessCase> measure_fairness(double seconds) {
+std::vector<FairnessCase> measure_fairness(double seconds, const std::string& only) {
   const std::vector<MuseumDemand> honest = honest_museums(kMuseums - 1);
   const auto case_of = [&](const std::string& greed, const Outcome& outcome, const Outcome& without) {
     FairnessCase made{greed, {}, outcome.utilisation, outcome.coordinator_ms_per_frame};
@@ -119,6 +119,7 @@ std::vector<FairnessCase> measure_fairness(double seconds) {
   std::vector<FairnessCase> cases{case_of("none", without, without),
                                   case_of(kTenth, simulate(honest_museums(kMuseums), seconds), without)};
   for (const MuseumDemand& greed : kinds_of_greed()) {
+    if (greed.name.find(only) == std::string::npos) continue;
     std::vector<MuseumDemand> all = honest;
     all.push_back(greed);
     cases.push_back(case_of(greed.name, simulate(all, seconds), without));

@@ -29,7 +29,7 @@ struct FairnessCase {
 };
 
 /// Simulates ten museums on 8 nodes of 4 threads for that time: nine of them, with a tenth like them, then with each
-/// kind of greed.
-[[nodiscard]] std::vector<FairnessCase> measure_fairness(double seconds);
+/// kind of greed whose name contains `only`.
+[[nodiscard]] std::vector<FairnessCase> measure_fairness(double seconds, const std::string& only = "");
 
 }  // namespace cyclorama

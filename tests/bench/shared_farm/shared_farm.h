@@ -128,6 +128,7 @@ class SharedFarm final : private coordinator::CoordinatorDelegate {
   std::uint64_t order_ = 0;
   std::uint64_t last_id_ = 0;
   double coordinator_seconds_ = 0.0;
+  double clock_seconds_ = 0.0;  ///< Time that measuring adds to each call of the coordinator's state.
 };
 
 }  // namespace cyclorama

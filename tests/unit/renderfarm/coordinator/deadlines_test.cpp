@@ -42,13 +42,21 @@ class DeadlinesTest : public ::testing::Test {
 };
 
 TEST_F(DeadlinesTest, a_node_is_silent_after_most_of_the_base_time_while_another_is_done) {
-  EXPECT_EQ(deadlines.next_due(session), clock.now() + std::chrono::milliseconds(600));
+  EXPECT_EQ(deadlines.due(session).next, clock.now() + std::chrono::milliseconds(600));
   advance_ms(599);
   EXPECT_TRUE(silent().empty());
   advance_ms(1);
   EXPECT_EQ(silent(), std::vector<NodeId>{kSilent});
   nodes.at(kSilent).worked_at = clock.now();
   EXPECT_TRUE(silent().empty()) << "it has sent a tile";
+}
+
+TEST_F(DeadlinesTest, the_earliest_deadline_stays_after_it_has_passed) {
+  const TimePoint first = clock.now() + std::chrono::milliseconds(600);
+  EXPECT_EQ(deadlines.due(session).earliest, first);
+  advance_ms(700);
+  EXPECT_EQ(deadlines.due(session).earliest, first);
+  EXPECT_EQ(deadlines.due(session).next, first + std::chrono::milliseconds(1400)) << "the frame is late then";
 }
 
 TEST_F(DeadlinesTest, no_node_is_silent_while_all_are_at_work) {
@@ -76,17 +84,18 @@ TEST_F(DeadlinesTest, a_node_has_the_time_that_its_block_was_expected_to_take) {
 TEST_F(DeadlinesTest, a_frame_is_late_after_twice_the_base_time_and_a_picture_at_rest_never) {
   advance_ms(1999);
   EXPECT_FALSE(deadlines.is_late(session, frame()));
-  EXPECT_EQ(deadlines.next_due(session), clock.now() + std::chrono::milliseconds(1));
+  EXPECT_EQ(deadlines.due(session).next, clock.now() + std::chrono::milliseconds(1));
   advance_ms(1);
   EXPECT_TRUE(deadlines.is_late(session, frame()));
-  EXPECT_EQ(deadlines.next_due(session), TimePoint::max()) << "all of them have passed";
+  EXPECT_EQ(deadlines.due(session).next, TimePoint::max()) << "all of them have passed";
   frame().refines = governor::SampleRange{0, 1};
   EXPECT_FALSE(deadlines.is_late(session, frame()));
 }
 
 TEST_F(DeadlinesTest, a_session_without_frames_has_none) {
   session.frames.clear();
-  EXPECT_EQ(deadlines.next_due(session), TimePoint::max());
+  EXPECT_EQ(deadlines.due(session).next, TimePoint::max());
+  EXPECT_EQ(deadlines.due(session).earliest, TimePoint::max());
 }
 
 }  // namespace

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light computed ahead. Nodes compute it together, each its own pieces (LightBoard). The first that has all of it sends
-// the file to the coordinator, which gives it to those that lack it, and when all have it, frames name its version from
-// the next one on. A frame in flight and a picture at rest keep the version that they began with, and only nodes that
-// have a frame's version render it: no picture mixes two.
+#include "renderfarm/coordinator/scene_lights.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "common/base/text.h"
-#include "renderfarm/coordinator/coordinator_state.h"
-#include "renderfarm/governor/stored_light_front.h"
 #include "renderfarm/scene_distribution/sha256.h"
 
 namespace cyclorama::coordinator {
@@ -28,18 +25,7 @@ constexpr Duration kComputeTimeout = std::chrono::minutes(2);
 
 }  // namespace
 
-std::string short_version(const std::string& version) {
-  constexpr std::size_t kDigits = 8;
-  return version.substr(0, kDigits);
-}
-
-bool Node::has_light(const std::string& scene, const std::string& version) const {
-  const auto known = scenes.find(scene);
-  return has(scene) &&
-         std::ranges::find(known->second.light, version, &wire::LightVersion::version) != known->second.light.end();
-}
-
-Status CoordinatorState::add_light(const wire::LightVersion& light, Node::LoadedScene* scene) {
+Status SceneLights::add(const wire::LightVersion& light, Node::LoadedScene* scene) {
   if (!scene_distribution::is_sha256(light.version())) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("its light has version '{}', which is none", printable(light.version())));
@@ -50,7 +36,7 @@ Status CoordinatorState::add_light(const wire::LightVersion& light, Node::Loaded
   return Done{};
 }
 
-Status CoordinatorState::scene_light(NodeId id, Node& node, const wire::SceneLight& report) {
+Status SceneLights::light_reported(NodeId id, Node& node, const wire::SceneLight& report) {
   const auto known = node.scenes.find(report.scene());
   if (known == node.scenes.end()) {
     return Error(ErrorCode::kInvalidArgument,
@@ -60,66 +46,60 @@ Status CoordinatorState::scene_light(NodeId id, Node& node, const wire::SceneLig
   const bool has_computed = light.computing.erase(id) > 0;
   light.board.leave(id);
   if (report.error().empty()) {
-    TRY(add_light(report.light(), &known->second));
+    TRY(add(report.light(), &known->second));
   } else {
     constexpr std::size_t kMaxErrorBytes = 500;
     bool& has_failed = has_computed ? known->second.has_failed_to_compute : known->second.has_failed_to_use;
     if (!std::exchange(has_failed, true)) {
-      delegate_.notice(
-          fmt::format("node '{}', scene '{}': {}, so paths are traced: {}", printable(node.name), report.scene(),
-                      has_computed ? "its light could not be computed ahead" : "its light cannot be used",
-                      printable(report.error(), kMaxErrorBytes)),
-          {.node = node.name});
+      delegate_.notice(fmt::format("{}, scene '{}': {}, so paths are traced: {}", title_of(node), report.scene(),
+                                   has_computed ? "its light could not be computed ahead" : "its light cannot be used",
+                                   printable(report.error(), kMaxErrorBytes)),
+                       {.node = node.name});
     }
   }
-  follow_light(report.scene());
+  follow(report.scene());
   return Done{};
 }
 
-Status CoordinatorState::light_pieces(NodeId id, Node& node, const wire::LightPieces& report) {
+Status SceneLights::pieces_reported(NodeId id, Node& node, const wire::LightPieces& report) {
   const auto light = lights_.find(report.scene());
   // It may have got the order from a coordinator before this one, or the light has come meanwhile.
   if (light == lights_.end() || !light->second.computing.contains(id)) return Done{};
   const bool is_first = report.stage().number() == 0;
   TRY_ASSIGN(const bool takes_part, light->second.board.report(id, report));
   if (!takes_part && is_first) {
-    delegate_.notice(
-        fmt::format("node '{}' computes the light of scene '{}' otherwise than the nodes before it, such as "
-                    "with another processor or program: it takes no part",
-                    printable(node.name), report.scene()),
-        {.node = node.name});
+    delegate_.notice(fmt::format("{} computes the light of scene '{}' otherwise than the nodes before it, such as "
+                                 "with another processor or program: it takes no part",
+                                 title_of(node), report.scene()),
+                     {.node = node.name});
   }
-  follow_light(report.scene());
+  follow(report.scene());
   return Done{};
 }
 
-void CoordinatorState::light_stored(const std::string& version) {
+void SceneLights::stored(const std::string& version) {
   for (auto& [scene, light] : lights_) {
     light.board.stored(version);
     order_pieces(scene, light);
     if (light.target.version() != version) continue;
     if (!light.stored_at) light.stored_at = clock_.now();
-    follow_light(scene);
+    follow(scene);
   }
 }
 
-void CoordinatorState::follow_light(const std::string& scene) {
+void SceneLights::follow(const std::string& scene) {
   const auto [known, is_new] = lights_.try_emplace(scene);
   SceneLightState& light = known->second;
   if (is_new) light.gathering_since = clock_.now();
-  choose_light(scene, light);
-  spread_light(scene, light);
-  switch_light(scene, light);
-  order_light(scene, light);
+  choose(scene, light);
+  spread(scene, light);
+  switch_to_target(scene, light);
+  order(scene, light);
 }
 
-std::size_t CoordinatorState::nodes_with_light(const std::string& scene, const std::string& version) const {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(nodes_, [&](const auto& entry) { return entry.second.has_light(scene, version); }));
-}
-
-void CoordinatorState::choose_light(const std::string& scene, SceneLightState& light) {
-  if (!light.target.version().empty() && (light.stored_at || nodes_with_light(scene, light.target.version()) > 0))
+void SceneLights::choose(const std::string& scene, SceneLightState& light) {
+  if (!light.target.version().empty() &&
+      (light.stored_at || nodes_.count_with_light(scene, light.target.version()) > 0))
     return;
   // Chooses the version that most nodes have; of several, the first by name, so that a restarted coordinator chooses
   // the same.
@@ -145,7 +125,7 @@ void CoordinatorState::choose_light(const std::string& scene, SceneLightState& l
   }
 }
 
-void CoordinatorState::spread_light(const std::string& scene, SceneLightState& light) {
+void SceneLights::spread(const std::string& scene, SceneLightState& light) {
   const std::string& version = light.target.version();
   if (version.empty()) return;
   const TimePoint now = clock_.now();
@@ -183,15 +163,15 @@ void CoordinatorState::spread_light(const std::string& scene, SceneLightState& l
   }
 }
 
-void CoordinatorState::switch_light(const std::string& scene, SceneLightState& light) {
-  if (!light.in_use.empty() && nodes_with_light(scene, light.in_use) == 0) {
-    use_light(scene, light, "");
-    if (nodes_with(scene) > 0) {
+void SceneLights::switch_to_target(const std::string& scene, SceneLightState& light) {
+  if (!light.in_use.empty() && nodes_.count_with_light(scene, light.in_use) == 0) {
+    use(scene, light, "");
+    if (nodes_.count_with(scene) > 0) {
       delegate_.notice(fmt::format("no node has the computed light of scene '{}': paths are traced", scene), {});
     }
   }
   const std::string& version = light.target.version();
-  if (version.empty() || version == light.in_use || nodes_with_light(scene, version) == 0) return;
+  if (version.empty() || version == light.in_use || nodes_.count_with_light(scene, version) == 0) return;
   const auto is_awaited = [&](const auto& entry) {
     const Node& node = entry.second;
     return node.has(scene) && node.late_for.size() <= 1 && !node.status.draining() && !node.has_light(scene, version) &&
@@ -199,40 +179,24 @@ void CoordinatorState::switch_light(const std::string& scene, SceneLightState& l
   };
   const bool has_waited = light.stored_at && clock_.now() - *light.stored_at >= kSwitchTimeout;
   if (!has_waited && std::ranges::any_of(nodes_, is_awaited)) return;
-  use_light(scene, light, version);
+  use(scene, light, version);
   delegate_.notice(fmt::format("scene '{}' has its light computed: moving pictures use it from now on (version {})",
                                scene, short_version(version)),
                    {});
 }
 
-void CoordinatorState::use_light(const std::string& scene, SceneLightState& light, const std::string& version) {
+void SceneLights::use(const std::string& scene, SceneLightState& light, const std::string& version) {
   const bool changes_front = light.in_use.empty() != version.empty();
   light.in_use = version;
-  if (!changes_front) return;
-  for (auto& [id, session] : sessions_) {
-    if (session.scene != scene || !session.governed) continue;
-    GovernorState& old = *session.governed;
-    std::unique_ptr<GovernorState> governed = governed_by(old.governor.budget_ms(), old.reference_samples, scene);
-    // A picture at rest continues unchanged:
-    governed->asked = std::move(old.asked);
-    governed->written_at = old.written_at;
-    governed->still_since = old.still_since;
-    governed->refinement = old.refinement;
-    governed->light = std::move(old.light);
-    governed->blocks = std::move(old.blocks);
-    governed->failures = old.failures;
-    governed->retry_at = old.retry_at;
-    governed->ms_per_sample = old.ms_per_sample;
-    session.governed = std::move(governed);
-  }
+  if (changes_front) front_changed_(scene);
 }
 
-void CoordinatorState::clear_board(SceneLightState& light) {
+void SceneLights::clear_board(SceneLightState& light) {
   light.computing.clear();
   for (const wire::LightVersion& file : light.board.clear()) delegate_.forget_light(file);
 }
 
-void CoordinatorState::order_light(const std::string& scene, SceneLightState& light) {
+void SceneLights::order(const std::string& scene, SceneLightState& light) {
   if (!light.target.version().empty()) return clear_board(light);
   const auto may_compute = [&](const Node& node) {
     if (!node.has(scene) || node.status.draining()) return false;
@@ -253,7 +217,7 @@ void CoordinatorState::order_light(const std::string& scene, SceneLightState& li
     light.gathering_since = clock_.now();
     return;
   }
-  if (clock_.now() - light.gathering_since < limits_.light_gathering) return;
+  if (clock_.now() - light.gathering_since < gathering_) return;
   std::ranges::sort(others);
   while (!others.empty() && light.computing.size() < LightBoard::kMaxNodes) {
     order_computation(others.back().second, scene, light);
@@ -267,14 +231,14 @@ void CoordinatorState::order_light(const std::string& scene, SceneLightState& li
   order_pieces(scene, light);
 }
 
-void CoordinatorState::order_computation(NodeId id, const std::string& scene, SceneLightState& light) {
+void SceneLights::order_computation(NodeId id, const std::string& scene, SceneLightState& light) {
   light.computing[id] = clock_.now();
   wire::NodeCommand command;
   command.mutable_compute_light()->set_scene(scene);
   delegate_.to_node(id, command);
 }
 
-void CoordinatorState::order_pieces(const std::string& scene, SceneLightState& light) {
+void SceneLights::order_pieces(const std::string& scene, SceneLightState& light) {
   LightBoard::Orders orders = light.board.next(clock_.now(), [&](NodeId id) { return nodes_.at(id).blocks.empty(); });
   for (const wire::LightVersion& file : orders.unneeded) delegate_.forget_light(file);
   for (auto& [id, order] : orders.compute) {
@@ -298,27 +262,27 @@ void CoordinatorState::order_pieces(const std::string& scene, SceneLightState& l
   }
 }
 
-const std::string& CoordinatorState::light_in_use(const std::string& scene) const {
+const std::string& SceneLights::in_use(const std::string& scene) const {
   static const std::string kNone;
   const auto light = lights_.find(scene);
   return light == lights_.end() ? kNone : light->second.in_use;
 }
 
-void CoordinatorState::name_light(const std::string& scene, wire::View* view) const {
+void SceneLights::name(const std::string& scene, wire::View* view) const {
   view->clear_light();
   view->clear_prior_samples();
   view->clear_prior_weight();
   if (!view->stored_light()) return;
-  const std::string& version = light_in_use(scene);
+  const std::string& version = in_use(scene);
   view->set_stored_light(!version.empty());
   view->set_light(version);
 }
 
-std::string CoordinatorState::light_summary(const std::string& scene) const {
-  const std::string& version = light_in_use(scene);
+std::string SceneLights::summary(const std::string& scene) const {
+  const std::string& version = in_use(scene);
   if (!version.empty()) {
-    return fmt::format("light {} on {} of {} nodes", short_version(version), nodes_with_light(scene, version),
-                       nodes_with(scene));
+    return fmt::format("light {} on {} of {} nodes", short_version(version), nodes_.count_with_light(scene, version),
+                       nodes_.count_with(scene));
   }
   const auto light = lights_.find(scene);
   if (light == lights_.end()) return "paths";

@@ -80,7 +80,7 @@ ViewBefore view_before(const Eigen::AlignedBox3d& bounds, double heading_rad) {
   constexpr double kDistanceByHeight = 1.3;
   constexpr double kDistanceByWidth = 0.8;
   constexpr double kLookDown = 0.35;  // Tangent towards the middle of a flat thing.
-  constexpr double kLowest = 0.5;     // Tangent towards its nearest edge.
+  constexpr double kMinSlope = 0.5;     // Tangent towards its nearest edge.
   constexpr double kFlat = 0.2;
   constexpr double kUpright = 0.6;
   const Eigen::Vector3d size = bounds.sizes();
@@ -93,7 +93,7 @@ ViewBefore view_before(const Eigen::AlignedBox3d& bounds, double heading_rad) {
   const double flatness = std::clamp((kUpright - size.y() / std::max(depth, 1e-9)) / (kUpright - kFlat), 0.0, 1.0);
   const double upright_m = 0.1 * size.y();
   const double raised_m =
-      std::min(kLookDown * (view.distance_m + 0.5 * depth), kLowest * view.distance_m - 0.5 * size.y());
+      std::min(kLookDown * (view.distance_m + 0.5 * depth), kMinSlope * view.distance_m - 0.5 * size.y());
   const double above_m = std::max(upright_m, flatness * raised_m);
   view.eye =
       bounds.center() + above_m * Eigen::Vector3d::UnitY() - (0.5 * depth + view.distance_m) * ahead(heading_rad);

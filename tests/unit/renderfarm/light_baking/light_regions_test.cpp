@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests by statistics, region by region, whether stored light is that of traced paths: both are computed several times
-// with other random numbers, so that their own scatter says how far the means may be apart.
+// with other random numbers, and their scatter states how far the means may be apart.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -11,7 +11,7 @@
 
 namespace cyclorama::scene {
 
-/// Statements of a file's format about its frame.
+/// States which parts of a file's frame its format prescribes.
 enum class StatedFrame : std::uint8_t {
   kNothing,     ///< Neither the unit nor the axis that points up.
   kUp,          ///< y points up. Metres are prescribed, but many files are in another unit.

@@ -80,7 +80,7 @@ ViewBefore view_before(const Eigen::AlignedBox3d& bounds, double heading_rad) {
   constexpr double kDistanceByHeight = 1.3;
   constexpr double kDistanceByWidth = 0.8;
   constexpr double kLookDown = 0.35;  // Tangent towards the middle of a flat thing.
-  constexpr double kMinSlope = 0.5;     // Tangent towards its nearest edge.
+  constexpr double kMaxDown = 0.5;    // Tangent towards its nearest edge.
   constexpr double kFlat = 0.2;
   constexpr double kUpright = 0.6;
   const Eigen::Vector3d size = bounds.sizes();
@@ -93,7 +93,7 @@ ViewBefore view_before(const Eigen::AlignedBox3d& bounds, double heading_rad) {
   const double flatness = std::clamp((kUpright - size.y() / std::max(depth, 1e-9)) / (kUpright - kFlat), 0.0, 1.0);
   const double upright_m = 0.1 * size.y();
   const double raised_m =
-      std::min(kLookDown * (view.distance_m + 0.5 * depth), kMinSlope * view.distance_m - 0.5 * size.y());
+      std::min(kLookDown * (view.distance_m + 0.5 * depth), kMaxDown * view.distance_m - 0.5 * size.y());
   const double above_m = std::max(upright_m, flatness * raised_m);
   view.eye =
       bounds.center() + above_m * Eigen::Vector3d::UnitY() - (0.5 * depth + view.distance_m) * ahead(heading_rad);
@@ -168,11 +168,13 @@ bool is_site(const Place& site, const Eigen::Vector3d& size) {
 }
 
 /// Returns the settings of a site that was found in a grid of the whole scene. The cells of a large scene are larger
-/// than people, so the surroundings are looked at again in smaller ones. Nothing if all around is an empty plain: such a
-/// scene is a model of a landscape, which is looked at from above.
+/// than people, so the surroundings are looked at again in smaller ones. Nothing for a landscape, which is looked at from above:
+/// a scene of more than 2 km, or one where all around is an empty plain.
 std::optional<FoundSettings> standing_near(const Model& model, const SpaceGrid& grid, const Place& place) {
   constexpr double kFineCellM = 0.6;
   constexpr double kFarM = 60.0;
+  constexpr double kLandscapeCellM = 20.0;
+  if (grid.cell_m() > kLandscapeCellM) return std::nullopt;
   if (grid.cell_m() <= kFineCellM) return standing_at(grid, place, SceneKind::kSite);
   const Eigen::Vector3d reach(24.0, 12.0, 24.0);
   const SpaceGrid fine(model, {place.standing.eye - reach, place.standing.eye + reach});

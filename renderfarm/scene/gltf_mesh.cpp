@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/scene/gltf_mesh.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "renderfarm/scene/gltf_morph.h"
@@ -8,6 +10,7 @@
 #include "renderfarm/scene/gltf_splats.h"
 #include "renderfarm/scene/gltf_triangles.h"
 #include "renderfarm/scene/gltf_vertices.h"
+#include "renderfarm/scene/point_squares.h"
 
 namespace cyclorama::scene {
 namespace {
@@ -45,6 +48,26 @@ Status read_vertices(const GltfPrimitive& primitive, const GltfSelection& select
   TRY_ASSIGN(const std::optional<GltfAccessor> colours, primitive.attribute("COLOR_0", GltfVertexKind::kColour));
   if (colours) TRY(read_colours(*colours, selection, context, mesh));
   return Done{};
+}
+
+/// Reads points as small squares; nothing, with a note, if some are not finite.
+Result<std::optional<Mesh>> read_points(const GltfPrimitive& primitive, const std::string& place, int material,
+                                        GltfContext* context) {
+  const GltfSelection all = GltfSelection::all(primitive.vertex_count());
+  TRY(context->budget.take(place, primitive.vertex_count(), kSquareBytes));
+  TRY_ASSIGN(const std::optional<GltfAccessor> positions, primitive.attribute("POSITION", GltfVertexKind::kPosition));
+  if (!are_positions_usable(*positions, all)) {
+    context->notes.add("some points are not finite: the points are ignored", place);
+    return std::optional<Mesh>();
+  }
+  Mesh mesh;
+  mesh.material = material;
+  TRY(read_positions(*positions, all, context, &mesh));
+  TRY_ASSIGN(const std::optional<GltfAccessor> colours, primitive.attribute("COLOR_0", GltfVertexKind::kColour));
+  if (colours) TRY(read_colours(*colours, all, context, &mesh));
+  const double step = make_point_squares(&mesh);
+  context->notes.add(fmt::format("points, about {:.3g} units apart, are shown as small squares", step), place);
+  return std::optional(std::move(mesh));
 }
 
 }  // namespace
@@ -101,6 +124,10 @@ Result<std::optional<Mesh>> GltfMeshes::read_primitive(const GltfObject& object,
   TRY_ASSIGN(const std::optional<GltfPrimitive> primitive, GltfPrimitive::open(document_, context_, object));
   if (!primitive) return std::optional<Mesh>();
   TRY_ASSIGN(const std::optional<std::size_t> material, document_->index(object, "material", "materials"));
+  if (primitive->is_points()) {
+    TRY_ASSIGN(const int plain, materials_.load(material, {false, false}, object.place()));
+    return read_points(*primitive, object.place(), plain, context_);
+  }
   Mesh mesh;
   TRY_ASSIGN(mesh.material,
              materials_.load(material, {primitive->has(kTexcoords[0]), primitive->has(kTexcoords[1])}, object.place()));

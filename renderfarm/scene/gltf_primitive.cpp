@@ -17,8 +17,9 @@ Result<std::optional<GltfPrimitive>> GltfPrimitive::open(GltfDocument* document,
   if (mode > static_cast<std::uint64_t>(GltfTopology::kFan)) {
     return primitive.damaged("mode", fmt::format("{} is no kind of primitive", mode));
   }
-  if (mode < static_cast<std::uint64_t>(GltfTopology::kTriangles)) {
-    context->notes.add("points and lines have no surface: ignored", primitive.place());
+  const bool is_points = mode == static_cast<std::uint64_t>(GltfTopology::kPoints);
+  if (mode < static_cast<std::uint64_t>(GltfTopology::kTriangles) && !is_points) {
+    context->notes.add("lines have no surface: ignored", primitive.place());
     return std::optional<GltfPrimitive>();
   }
   TRY_ASSIGN(std::optional<GltfObject> attributes, primitive.object("attributes"));

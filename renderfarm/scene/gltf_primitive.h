@@ -13,15 +13,15 @@
 
 namespace cyclorama::scene {
 
-/// One primitive with a surface. Borrows document and context. Thread-bound.
+/// One primitive with a surface or of points. Borrows document and context. Thread-bound.
 class GltfPrimitive {
  public:
-  /// Opens a primitive. Returns nothing, with a note, if it has no surface: if it has points or lines, no positions or
-  /// no vertices.
+  /// Opens a primitive. Returns nothing, with a note, if it cannot be shown: if it has lines, no positions or no vertices.
   static Result<std::optional<GltfPrimitive>> open(GltfDocument* document, GltfContext* context,
                                                    const GltfObject& primitive);
 
   [[nodiscard]] std::size_t vertex_count() const { return vertex_count_; }
+  [[nodiscard]] bool is_points() const { return topology_ == GltfTopology::kPoints; }
   [[nodiscard]] bool has(const char* semantic) const { return attributes_.has(semantic); }
   /// Returns the triangles; all corners are below vertex_count().
   Result<GltfTriangles> triangles() const;

@@ -16,8 +16,8 @@ namespace cyclorama::scene {
 
 using GltfTriangles = std::vector<std::array<std::uint32_t, 3>>;
 
-/// Values of glTF's `mode`; 0 to 3 are points and lines, which have no surface.
-enum class GltfTopology : std::uint8_t { kTriangles = 4, kStrip = 5, kFan = 6 };
+/// Values of glTF's `mode`; 1 to 3 are lines, which have no surface.
+enum class GltfTopology : std::uint8_t { kPoints = 0, kTriangles = 4, kStrip = 5, kFan = 6 };
 
 /// Returns the triangles of a primitive. Without `indices`, its vertices are used in order. In strips and fans,
 /// triangles that repeat a corner only connect parts and are left out. Errors: kBadData if an index is not below

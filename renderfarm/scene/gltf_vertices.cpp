@@ -127,6 +127,10 @@ Status read_positions(const GltfAccessor& accessor, const GltfSelection& selecti
   return Done{};
 }
 
+bool are_positions_usable(const GltfAccessor& accessor, const GltfSelection& selection) {
+  return all_usable(read_floats<3>(accessor, selection));
+}
+
 Status read_normals(const GltfAccessor& accessor, const GltfSelection& selection, GltfContext* context, Mesh* mesh) {
   TRY(context->budget.take(accessor.place, selection.size(), sizeof(Float3)));
   mesh->normals = read_floats<3>(accessor, selection);

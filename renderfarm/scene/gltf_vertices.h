@@ -21,6 +21,8 @@ Status check_vertex_format(const GltfAccessor& accessor, GltfVertexKind kind, bo
 
 /// Reads positions, and drops triangles whose corners are not finite.
 Status read_positions(const GltfAccessor& accessor, const GltfSelection& selection, GltfContext* context, Mesh* mesh);
+/// Returns true if all positions are usable; for points, which read_positions() would move.
+[[nodiscard]] bool are_positions_usable(const GltfAccessor& accessor, const GltfSelection& selection);
 /// Reads normals; one without a direction is replaced by the normal of the surface around it.
 Status read_normals(const GltfAccessor& accessor, const GltfSelection& selection, GltfContext* context, Mesh* mesh);
 /// Reads tangents; all are left out if any has no direction.

@@ -16,6 +16,7 @@
 #include "renderfarm/scene/model.h"
 #include "renderfarm/scene/mtl.h"
 #include "renderfarm/scene/obj_mesh.h"
+#include "renderfarm/scene/point_cloud.h"
 
 namespace cyclorama::scene {
 namespace {
@@ -220,6 +221,27 @@ void add_notes(const Odd& odd, Model* model) {
   if (odd.free_form) model->notes.push_back("free-form curves and surfaces are not supported: left out");
 }
 
+/// Returns the points of a file without faces, lines and points ('p'), as scanners' programs write them.
+Result<Model> points_of(const ObjLists& lists, const ImportLimits& limits) {
+  Mesh mesh;
+  for (std::size_t i = 0; i < lists.positions.size(); ++i) {
+    if (!is_usable(lists.positions[i])) continue;
+    if (mesh.positions.empty()) mesh.origin = origin_near(lists.positions[i]);
+    const Eigen::Vector3f p = (lists.positions[i] - mesh.origin).cast<float>();
+    mesh.positions.push_back({p.x(), p.y(), p.z()});
+    if (lists.colours.empty()) continue;
+    const std::array<std::uint8_t, 3>& rgb = lists.colours[i];
+    mesh.colours.push_back({rgb[0], rgb[1], rgb[2], 255});
+  }
+  Model model;
+  constexpr std::size_t kBytesPerPoint = sizeof(mesh.positions[0]) + sizeof(mesh.colours[0]);
+  TRY(show_points(kBytesPerPoint, limits.memory_bytes, &mesh, &model.notes));
+  model.materials.push_back(scan_material());
+  model.instances.push_back({0, Eigen::Affine3d::Identity()});
+  model.meshes.push_back(std::move(mesh));
+  return model;
+}
+
 Result<Model> import_text(std::string_view text, const std::filesystem::path& folder, const ImportLimits& limits) {
   ObjLists lists;
   Odd odd;
@@ -229,6 +251,7 @@ Result<Model> import_text(std::string_view text, const std::filesystem::path& fo
   TRY(faces.read(text));
   Model model;
   std::move(faces).finish(&model);
+  if (model.meshes.empty() && odd.not_finite == 0 && !lists.positions.empty()) return points_of(lists, limits);
   if (model.meshes.empty()) {
     return Error(ErrorCode::kBadData,
                  odd.not_finite > 0 ? "none of its faces has finite corners"

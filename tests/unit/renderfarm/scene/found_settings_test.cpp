@@ -326,6 +326,9 @@ TEST(FindSettings, an_empty_landscape_is_seen_from_above) {
   const FoundSettings found = settings_of(model_of({box_mesh(box({0, 0, 0}, {2000, 4, 2000}), false)}));
   EXPECT_EQ(found.kind, SceneKind::kObject);
   EXPECT_GT(found.eye.y(), 200.0);
+  const FoundSettings hills = settings_of(model_of(
+      {box_mesh(box({0, 0, 0}, {5000, 4, 4000}), false), box_mesh(box({1000, 0, 1000}, {1800, 200, 1500}), false)}));
+  EXPECT_EQ(hills.kind, SceneKind::kObject);
 }
 
 TEST(FindSettings, a_thing_that_lies_flat_is_seen_from_higher_up) {

@@ -48,7 +48,7 @@ TEST(GltfCompressed, all_modes_versions_and_filters_of_khr_meshopt_compression_a
   ASSERT_TRUE(model.has_value()) << model.error().message();
   // The file tests each mode, version and filter with a cube of the same size and colours (and labels them with flat
   // squares, whose pictures are absent).
-  std::map<std::array<long, 6>, std::array<std::uint8_t, 4>> colours;  // Keys are corners and sides.
+  std::map<std::array<long, 6>, std::array<std::uint8_t, 4>> colours;
   std::size_t cubes = 0;
   for (const Mesh& mesh : model->meshes) {
     Eigen::AlignedBox3f box;

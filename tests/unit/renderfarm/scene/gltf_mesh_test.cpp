@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/model_invariants.h"
 #include "tests/unit/renderfarm/scene/gltf_builder.h"
 
 namespace cyclorama::scene {
@@ -86,12 +87,28 @@ TEST(GltfMesh, reads_indices_of_every_width) {
   }
 }
 
-TEST(GltfMesh, points_lines_and_primitives_without_positions_are_noted) {
-  for (int mode = 0; mode < 4; ++mode) {
+TEST(GltfMesh, points_are_shown_as_squares_with_their_colours) {
+  GltfBuilder file = square(0, {});
+  file.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] =
+      file.add_floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1}, "VEC3");
+  const Result<Model> model = file.import();
+  ASSERT_TRUE(model.has_value()) << error_of(model);
+  EXPECT_EQ(broken_promise(*model), "");
+  ASSERT_EQ(model->meshes.size(), 1u);
+  EXPECT_EQ(model->meshes[0].triangles.size(), 8u) << "two for each point";
+  EXPECT_EQ(model->meshes[0].colours[4], (std::array<std::uint8_t, 4>{0, 255, 0, 255}));
+  EXPECT_THAT(model->notes, Contains(HasSubstr("shown as small squares")));
+  ImportLimits limits;
+  limits.memory_bytes = 500;
+  EXPECT_THAT(error_of(square(0, {}).import(limits)), HasSubstr("memory limit"));
+}
+
+TEST(GltfMesh, lines_and_primitives_without_positions_are_noted) {
+  for (int mode = 1; mode < 4; ++mode) {
     const Result<Model> model = square(mode, {}).import();
     ASSERT_TRUE(model.has_value());
     EXPECT_TRUE(model->meshes.empty());
-    EXPECT_THAT(model->notes, Contains(HasSubstr("points and lines"))) << mode;
+    EXPECT_THAT(model->notes, Contains(HasSubstr("lines have no surface"))) << mode;
   }
   GltfBuilder file;
   file.add_primitive({{"NORMAL", file.add_floats(kSquare, "VEC3")}});

@@ -152,8 +152,16 @@ TEST(ObjImport, unsupported_elements_are_left_out_and_noted) {
   EXPECT_THAT(model->notes, Contains(HasSubstr("other characters")));
 }
 
-TEST(ObjImport, a_file_without_faces_is_refused_with_a_remedy) {
-  EXPECT_THAT(complaint(kTriangle), HasSubstr("export it as a mesh"));
+TEST(ObjImport, points_without_faces_are_shown_as_squares_with_their_colours) {
+  const auto model = import_text("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nv nan 0 0 1 1 1\np 1 2\n");
+  ASSERT_TRUE(model.has_value()) << model.error().message();
+  EXPECT_EQ(broken_promise(*model), "");
+  EXPECT_EQ(model->meshes.at(0).triangles.size(), 6u) << "two for each point that is finite";
+  EXPECT_EQ(model->meshes[0].colours.at(4), (std::array<std::uint8_t, 4>{0, 255, 0, 255}));
+  EXPECT_THAT(model->notes, Contains(HasSubstr("shown as small squares")));
+}
+
+TEST(ObjImport, a_file_without_faces_and_points_is_refused_with_a_remedy) {
   EXPECT_THAT(complaint(""), HasSubstr("no faces"));
   EXPECT_THAT(complaint("v nan 0 0\nf 1 1 1\n"), HasSubstr("finite corners"));
 }

@@ -29,7 +29,7 @@ struct PageExtras {
   MuseumServices* museum = nullptr;
   Sessions* sessions = nullptr;  ///< Null: no PIN; for this computer only.
   const HttpTls* tls = nullptr;
-  std::string tour;  ///< Address of the tour; empty: none is watched.
+  std::string tour{};  ///< Address of the tour; empty: none is watched.
 };
 
 /// Serves the page. Threading and limits are those of HttpServer. Thread-bound.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// An invisible mark in the pixels, different for each key, by which a leaked picture identifies the museum for which
-/// it was made. It survives JPEG, cropping, and downscaling to half, but not averaging over many frames, nor an
-/// attacker who has the key.
+/// it was made. It survives JPEG, cropping, downscaling to half, and the mean of frames of one view, also of three
+/// museums' frames; but not the mean of frames of many views, nor an attacker who has the key.
 ///
 /// Spread spectrum (Cox, Kilian, Leighton and Shamoon 1997, "Secure spread spectrum watermarking for multimedia"):
 /// cells of 4 x 4 pixels are made lighter or darker by one code value, according to the key's random signs. Their

@@ -109,10 +109,13 @@ void SharedFarm::open_session(const MuseumDemand& demand) {
   });
   post(clock_.now() + kMuseumDelay, [this, id] { request(id); });
   const double ends = demand.session_seconds > 0.0 ? seconds() + demand.session_seconds : demand.until_seconds;
-  at(std::min(ends, demand.until_seconds), [this, id, demand] {
+  // Not decided by the time then, which is rounded: it may lie before the museum's end, and another session would be
+  // opened and closed at the same moment, for ever.
+  const bool is_replaced = ends < demand.until_seconds;
+  at(std::min(ends, demand.until_seconds), [this, id, demand, is_replaced] {
     if (sessions_.erase(id) == 0) return;
     in_coordinator([&] { state_.session_disconnected(id); });
-    if (seconds() < demand.until_seconds) open_session(demand);
+    if (is_replaced) open_session(demand);
   });
 }
 

@@ -448,9 +448,7 @@ class RawSession {
   void close() { stream_->WritesDone(); }
   bool read(wire::SessionReply* reply) { return stream_->Read(reply); }
   grpc::Status end() {
-    wire::SessionReply reply;
-    while (stream_->Read(&reply)) {
-    }
+    for (wire::SessionReply reply; stream_->Read(&reply);) continue;
     return stream_->Finish();
   }
 
@@ -529,9 +527,7 @@ grpc::Status refusal_of_node(int port, const std::vector<wire::NodeReport>& repo
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));
   const auto stream = stub->Work(&context);
   for (const auto& report : reports) stream->Write(report);
-  wire::NodeCommand command;
-  while (stream->Read(&command)) {
-  }
+  for (wire::NodeCommand command; stream->Read(&command);) continue;
   return stream->Finish();
 }
 

@@ -13,6 +13,7 @@
 #include "common/wire/convert.h"
 #include "kiosk/tour/navigation/prediction.h"
 #include "kiosk/tour/navigation/walk_record.h"
+#include "kiosk/tour/session/site.h"
 
 namespace cyclorama::tour {
 namespace {

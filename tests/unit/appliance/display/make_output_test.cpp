@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/memory_file.h"
+
 namespace cyclorama::display {
 namespace {
 
@@ -42,8 +44,8 @@ Installation two_projectors() {
 
 TEST(MakeOutput, uses_the_connectors_of_the_installation) {
   Installation installation = two_projectors();
-  installation.projectors[0].plug = {1, "DP-2", 90};
-  installation.projectors[1].plug = {{}, "HDMI-A-1", 180};
+  installation.projectors[0].plug = {.card = 1, .connector = "DP-2", .turn_deg = 90};
+  installation.projectors[1].plug = {.connector = "HDMI-A-1", .turn_deg = 180};
   installation.cards = {"/dev/dri/card1"};
   const auto options = drm_options({}, installation, 50.0);
   ASSERT_TRUE(options);
@@ -56,10 +58,27 @@ TEST(MakeOutput, uses_the_connectors_of_the_installation) {
   EXPECT_EQ(options->refresh_hz, 50.0);
 }
 
+TEST(MakeOutput, finds_projectors_by_serial_and_refuses_a_damaged_edid) {
+  Installation installation = two_projectors();
+  installation.projectors[0].plug = {.serial = "X4K1"};
+  installation.projectors[1].plug = {.connector = "HDMI-A-1"};
+  const auto options = drm_options({}, installation, 50.0);
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->heads[0].serial, "X4K1");
+  EXPECT_EQ(options->heads[0].connector, "");
+  EXPECT_FALSE(options->heads[1].edid);
+  OutputChoice choice;
+  choice.heads = {*parse_head("left=DP-3")};
+  EXPECT_EQ(drm_options(choice, installation, 50.0)->heads[0].serial, "");
+  const MemoryFile damaged("no EDID");
+  installation.projectors[1].plug.edid = damaged.path();
+  EXPECT_THAT(drm_options({}, installation, 50.0).error().message(), HasSubstr("an EDID of 7 bytes"));
+}
+
 TEST(MakeOutput, prefers_the_command_line_to_the_installation) {
   Installation installation = two_projectors();
-  installation.projectors[0].plug = {1, "DP-2", 90};
-  installation.projectors[1].plug = {{}, "HDMI-A-1", 180};
+  installation.projectors[0].plug = {.card = 1, .connector = "DP-2", .turn_deg = 90};
+  installation.projectors[1].plug = {.connector = "HDMI-A-1", .turn_deg = 180};
   installation.cards = {"/dev/dri/card1"};
   OutputChoice choice;
   choice.heads = {*parse_head("left=DP-3")};

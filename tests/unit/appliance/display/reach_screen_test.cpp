@@ -3,10 +3,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zbar.h>
 
 #include <cstdlib>
-#include <opencv2/core.hpp>
-#include <opencv2/objdetect.hpp>
+#include <vector>
 
 #include "appliance/display/reach_picture.h"
 #include "common/base/file.h"
@@ -40,12 +40,18 @@ TextFont font() {
   return *std::move(font);
 }
 
+/// Returns the content of the picture's QR code; empty if there is none.
 std::string decoded(const RgbaImage& picture) {
-  cv::Mat grey(picture.height(), picture.width(), CV_8UC1);
+  std::vector<unsigned char> grey;
   for (int y = 0; y < picture.height(); ++y) {
-    for (int x = 0; x < picture.width(); ++x) grey.at<unsigned char>(y, x) = picture.at(x, y)[1];
+    for (int x = 0; x < picture.width(); ++x) grey.push_back(picture.at(x, y)[1]);
   }
-  return cv::QRCodeDetector().detectAndDecode(grey);
+  zbar::ImageScanner scanner;
+  scanner.set_config(zbar::ZBAR_NONE, zbar::ZBAR_CFG_ENABLE, 0);
+  scanner.set_config(zbar::ZBAR_QRCODE, zbar::ZBAR_CFG_ENABLE, 1);
+  zbar::Image image(static_cast<unsigned>(picture.width()), static_cast<unsigned>(picture.height()), "Y800",
+                    grey.data(), grey.size());
+  return scanner.scan(image) == 1 ? image.symbol_begin()->get_data() : "";
 }
 
 TEST(ShowsReach, until_there_is_a_pin_after_help_and_after_a_day_without_the_page) {

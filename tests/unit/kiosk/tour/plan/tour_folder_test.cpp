@@ -24,7 +24,7 @@ class TourFolders : public testing::Test {
     CHECK(made);
     area = *std::move(made);
     otherwise.languages = {"de"};
-    otherwise.stops.push_back({{"", {1, 1}, 0.0, "altar"}, {}, {}, true});
+    otherwise.stops.push_back({{"", {1, 1}, 0.0, "altar"}, {}, {}, true, {}});
   }
   ~TourFolders() override { fs::remove_all(path); }
   [[nodiscard]] std::string text() const {

@@ -58,7 +58,7 @@ struct PlannedStop {
   GuideStop stop;  ///< `title` is in the tour's first language.
   Texts title;
   Texts text;
-  bool keep = true;  ///< False also where the whole tour must not be kept.
+  bool keep = true;                    ///< False also where the whole tour must not be kept.
   std::map<std::string, float> lamps;  ///< Levels of the scene's groups of lamps, by name.
 };
 

@@ -193,8 +193,8 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   bool is_fetch_requested_ = false;
   LampFade lamps_;
   std::optional<std::size_t> lamps_of_stop_;  ///< Stop whose lamps were set last.
-  std::optional<std::size_t> kept_shown_;   ///< Stop whose kept picture the displays show.
-  std::unique_ptr<StopPictures> pictures_;  ///< Null: no folder is set.
+  std::optional<std::size_t> kept_shown_;     ///< Stop whose kept picture the displays show.
+  std::unique_ptr<StopPictures> pictures_;    ///< Null: no folder is set.
 
   std::unique_ptr<client::FarmClient> farm_;
   std::thread walker_;

@@ -36,6 +36,7 @@ struct Options {
   std::optional<std::string> changed;
   bool if_there = false;
   bool is_stick = false;
+  bool for_any_computer = false;
   std::optional<std::string> confirmed;
   std::optional<std::string> checker;
   std::string verdict = "/run/cyclorama-check/verdict.json";
@@ -71,6 +72,8 @@ void add_options(CLI::App& app, Options* options) {
   CLI::Option* const stick = install.add_flag(
       "--stick", options->is_stick,
       "Anybody can plug the folder in: after the first one, it needs the owner's signature or a confirmation");
+  install.add_flag("--for-any-computer", options->for_any_computer,
+                   "Projectors need neither a connector nor a serial: for the image's own settings");
   install.add_option("--checker", options->checker,
                      "systemd unit that runs 'verdict' on the copy as another user, instead of checking it here");
   for (CLI::App* const command : {&install, &verdict}) {
@@ -130,6 +133,7 @@ Status run(const Options& options, const CLI::App& app) {
   order.from = options.from;
   order.check.programs = options.programs;
   order.check.of = options.owner();
+  order.check.for_any_computer = options.for_any_computer;
   if (order.check.of == SettingsOf::kFarmHost) order.limits = farm_host_limits(options.state);
   order.only_check = app.got_subcommand("check");
   order.at = at;

@@ -40,6 +40,8 @@ struct SettingsCheck {
   /// which check their own tables; empty: their tables are not checked.
   std::filesystem::path programs{};
   SettingsOf of = SettingsOf::kMuseum;
+  /// The settings are for any computer, as the image's own are: projectors need neither a connector nor a serial.
+  bool for_any_computer = false;
   std::filesystem::path sockets{"/sys/class/drm"};  ///< Folder in which the kernel lists the connectors.
 };
 

@@ -274,7 +274,9 @@ def check_requests(computer, folder):
     bad += expect("with its digest", (confirmed / "confirmed").read_text() == digest + "\n")
     for wrong in ("", "../../etc\n", digest[1:] + "\n", digest[:-1] + "G\n"):
         bad += expect(f"'{wrong.strip()[:10]}' confirms nothing", request("confirm-stick", wrong) == 1 and called.read_text() == "" and (confirmed / "confirmed").read_text() == digest + "\n")
-    bad += expect("sticks are taken by these rules", "--stick --confirmed /run/cyclorama-provision/confirmed" in (computer.source / "systemd/units/cyclorama-provision@.service").read_text())
+    unit = (computer.source / "systemd/units/cyclorama-provision@.service").read_text()
+    rules = ("--stick", "--checker cyclorama-check-settings.service", "--confirmed /run/cyclorama-provision/confirmed")
+    bad += expect("sticks are taken by these rules", all(rule in unit for rule in rules))
     (blocks / "sdz1").unlink()
     bad += expect("without a stick the farm is checked", request("update") == 0 and "cyclorama-update-from-farm@now.service" in called.read_text(), called.read_text())
     return bad

@@ -368,7 +368,7 @@ const buttonCommand = (button) => {
 };
 function markHeld() {
   const commands = new Set(held.values());
-  for (const button of document.querySelectorAll(".pad button"))
+  for (const button of document.querySelectorAll("#steer-pad button"))
     button.classList.toggle("held", commands.has(buttonCommand(button)));
 }
 // Sends one request at a time, with what is held now: an old command never arrives after a newer one, and a tour that
@@ -426,7 +426,7 @@ addEventListener("blur", releaseAll);
 document.addEventListener("visibilitychange", () => {
   if (document.hidden) releaseAll();
 });
-for (const button of document.querySelectorAll(".pad button")) {
+for (const button of document.querySelectorAll("#steer-pad button")) {
   const name = "button " + buttonCommand(button);
   button.addEventListener("pointerdown", (event) => {
     event.preventDefault();

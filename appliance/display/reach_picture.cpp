@@ -27,7 +27,7 @@ constexpr double kGapUnits = 2.0;
 constexpr double kTextUnits = 21.0;
 constexpr int kQuietModules = 4;  // Required around a QR code (ISO/IEC 18004).
 constexpr std::size_t kMaxAddresses = 4;
-constexpr std::size_t kFingerprintLine = 8 * 3;  // Eight bytes and their colons.
+constexpr std::size_t kFingerprintLine = std::size_t{8} * 3;  // Eight bytes and their colons.
 
 using Qr = std::unique_ptr<QRcode, decltype([](QRcode* code) { QRcode_free(code); })>;
 

@@ -12,7 +12,7 @@ namespace cyclorama::display {
 namespace {
 
 constexpr Duration kReadEvery = std::chrono::milliseconds(250);
-constexpr std::size_t kMaxFileBytes = 64 * 1024;
+constexpr std::size_t kMaxFileBytes = std::size_t{64} * 1024;
 
 }  // namespace
 

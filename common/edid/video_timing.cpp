@@ -65,8 +65,9 @@ VideoTiming full(int width_px, int height_px, double refresh_hz) {
 }  // namespace
 
 double VideoTiming::refresh_hz() const {
-  const double lines =
-      is_interlaced ? vertical.visible / 2 + vertical.total() - vertical.visible + 0.5 : vertical.total();
+  const int hidden = vertical.total() - vertical.visible;
+  const int of_field = vertical.visible / 2 + hidden;
+  const double lines = is_interlaced ? of_field + 0.5 : vertical.total();
   const double pixels = horizontal.total() * lines;
   return pixels > 0.0 ? 1000.0 * clock_khz / pixels : 0.0;
 }

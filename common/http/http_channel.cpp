@@ -11,7 +11,7 @@
 
 namespace cyclorama {
 namespace {
-constexpr std::size_t kChunkBytes = 16 * 1024;  // The content of one TLS record.
+constexpr std::size_t kChunkBytes = std::size_t{16} * 1024;  // The content of one TLS record.
 }  // namespace
 
 HttpChannel::HttpChannel(UniqueFd socket, SSL_CTX* tls) : socket_(std::move(socket)) {

@@ -12,7 +12,7 @@ namespace cyclorama {
 
 /// Deadlines and sizes of one connection.
 struct ConnectionLimits {
-  std::size_t max_head_bytes = 16 * 1024;
+  std::size_t max_head_bytes = std::size_t{16} * 1024;
   std::size_t max_body_bytes = 4096;
   Duration request_within = std::chrono::seconds(10);  ///< TLS handshake and whole request.
   Duration answer_within = std::chrono::seconds(30);   ///< For the client to take what is ready, at most 1 MiB.

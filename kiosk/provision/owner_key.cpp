@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxOwnerKeyBytes = 16 * 1024;
+constexpr std::size_t kMaxOwnerKeyBytes = std::size_t{16} * 1024;
 constexpr std::size_t kSignatureBytes = 64;
 constexpr std::size_t kSignatureLetters = 88;  // In base64.
 using Context = std::unique_ptr<EVP_MD_CTX, OpensslFree<EVP_MD_CTX_free>>;

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxStickTextBytes = 256 * 1024;
+constexpr std::size_t kMaxStickTextBytes = std::size_t{256} * 1024;
 
 std::string text_in(const fs::path& path) {
   auto text = read_text_file(path, kMaxStickTextBytes);

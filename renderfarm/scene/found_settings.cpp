@@ -200,8 +200,10 @@ std::optional<double> heading_into(const SpaceGrid& grid, const Eigen::AlignedBo
     const double width = std::abs(size.dot(aside.cwiseAbs()));
     int open = 0;
     for (int i = 0; i < kRays * kRays; ++i) {
-      const double across = (i % kRays + 0.5) / kRays - 0.5;
-      const double up = (i / kRays + 0.5) / kRays - 0.5;
+      const int column = i % kRays;
+      const int row = i / kRays;
+      const double across = (column + 0.5) / kRays - 0.5;
+      const double up = (row + 0.5) / kRays - 0.5;
       const Eigen::Vector3d from =
           bounds.center() + across * width * aside + up * size.y() * Eigen::Vector3d::UnitY() - 0.5 * depth * into;
       const SpaceGrid::Ray ray = grid.cast(from, into);

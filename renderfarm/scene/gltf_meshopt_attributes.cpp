@@ -154,8 +154,10 @@ void to_rgba(std::byte* bytes) {
   std::memcpy(in.data(), bytes, sizeof in);
   const int scale = (1 << std::bit_width(unsigned{in[3]})) - 1;
   const int luma = in[0];
+  // NOLINTBEGIN(bugprone-signed-char-misuse): they are numbers, whose sign counts.
   const int co = static_cast<Signed>(in[1]);
   const int cg = static_cast<Signed>(in[2]);
+  // NOLINTEND(bugprone-signed-char-misuse)
   const int short_alpha = in[3] & (scale >> 1);
   const std::array<int, 4> rgba = {luma + co - cg, luma + cg, luma - co - cg, short_alpha << 1 | (short_alpha & 1)};
   constexpr double kMax = static_cast<Unsigned>(-1);

@@ -118,6 +118,7 @@ std::vector<Place> roomiest(std::vector<Place> places, const SpaceGrid& grid) {
 std::optional<Place> best_of(std::vector<Place> places, const SpaceGrid& grid) {
   std::vector<Place> candidates = roomiest(std::move(places), grid);
   std::vector<double> areas;
+  areas.reserve(candidates.size());
   for (const Place& place : candidates) {
     areas.push_back(walkable_area_m2(grid, place.standing));
   }

@@ -48,7 +48,7 @@ class RawClient {
     static_cast<void>(::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL));
   }
   /// Returns what arrives next; empty at the end.
-  std::string some() const {
+  [[nodiscard]] std::string some() const {
     std::array<char, 4096> bytes;
     const ssize_t count = ::recv(socket_.get(), bytes.data(), bytes.size(), 0);
     return {bytes.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0))};
@@ -71,12 +71,12 @@ class RawClient {
     }
   }
   /// Waits until something arrives or the server closes the connection. Returns false if neither happens in time.
-  bool is_readable(int timeout_ms) const {
+  [[nodiscard]] bool is_readable(int timeout_ms) const {
     pollfd entry{socket_.get(), POLLIN, 0};
     return ::poll(&entry, 1, timeout_ms) == 1;
   }
   /// Waits for the server to close the connection. Returns false if it sends something or does nothing for 20 s.
-  bool is_closed() const {
+  [[nodiscard]] bool is_closed() const {
     char byte = 0;
     const ssize_t count = ::recv(socket_.get(), &byte, 1, 0);
     return count == 0 || (count < 0 && errno == ECONNRESET);

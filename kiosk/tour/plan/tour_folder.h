@@ -23,7 +23,7 @@ class TourFolder {
   /// stop has, or an impossible name or title; those of parse_tour_plan() and of the files.
   Result<std::string> add(PlannedStop stop, const TourPlan& otherwise, const WalkableArea& area) const;
   /// Exchanges tour.toml and the file before it. Errors: kNotFound if there is none; those of the files.
-  Status undo() const;
+  [[nodiscard]] Status undo() const;
 
  private:
   [[nodiscard]] std::filesystem::path before() const { return folder_ / "tour.before.toml"; }

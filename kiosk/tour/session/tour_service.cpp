@@ -183,8 +183,9 @@ Result<SteeringCommand> command_of(const wire::SteerRequest& request) {
 template <typename Reply>
 grpc::ServerUnaryReactor* answered(grpc::CallbackServerContext* context, Result<Reply> answer, Reply* ret_reply) {
   grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  const grpc::Status status = answer ? grpc::Status::OK : to_grpc(answer.error());
   if (answer) *ret_reply = *std::move(answer);
-  reactor->Finish(answer ? grpc::Status::OK : to_grpc(answer.error()));
+  reactor->Finish(status);
   return reactor;
 }
 

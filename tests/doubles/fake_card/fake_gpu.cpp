@@ -24,6 +24,8 @@ struct udev {};
 struct udev_monitor {};
 struct udev_device {};
 
+// The linker demands these names (--wrap).
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 extern "C" {
 EGLDisplay __real_eglGetPlatformDisplay(EGLenum platform, void* native, const EGLAttrib* attributes);
 EGLBoolean __real_eglInitialize(EGLDisplay display, EGLint* major, EGLint* minor);
@@ -240,3 +242,4 @@ udev_device* __wrap_udev_monitor_receive_device(udev_monitor*) {
 udev_device* __wrap_udev_device_unref(udev_device* device) { return freed(device); }
 
 }  // extern "C"
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)

@@ -111,6 +111,8 @@ ConnectorInfo* connector_info(std::uint32_t id, const FakeConnector& connector, 
 
 }  // namespace
 
+// The linker demands these names (--wrap).
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 extern "C" {
 
 int __real_open(const char* path, int flags, ...);
@@ -173,6 +175,7 @@ int __wrap_ioctl(int fd, unsigned long request, ...) {
   if (fake == nullptr || fake->fences.count(fd) == 0) return __real_ioctl(fd, request, argument);
   if (request != SYNC_IOC_FILE_INFO || fails("ioctl")) return -1;
   const auto& file = *static_cast<const sync_file_info*>(argument);
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): the kernel's interface passes the address as a number.
   auto& fence = *reinterpret_cast<sync_fence_info*>(static_cast<std::uintptr_t>(file.sync_fence_info));
   const cyclorama::TimePoint at = fake->fences.at(fd);
   fence.status = at <= fake->clock().now() ? 1 : 0;
@@ -431,3 +434,4 @@ int __wrap_drmHandleEvent(int fd, drmEventContextPtr handlers) {
 }
 
 }  // extern "C"
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)

@@ -104,7 +104,7 @@ class DisplayPatternsTest : public ::testing::Test {
     options.patterns_idle = patterns_idle_;
     options.reach = run_dir_ / "reach.json";
     options.help_pressed = run_dir_ / "help";
-    set_reach(true);
+    static_cast<void>(set_reach(true));
     options.hours = *OpeningHours::parse({"Tue 10:00-18:00"}, "UTC");
     options.system_clock = [this] { return std::chrono::system_clock::now() + system_ahead_.load(); };
     set_hour(12);
@@ -123,7 +123,7 @@ class DisplayPatternsTest : public ::testing::Test {
   }
 
   /// Writes the operator page's file: it answers, and has a PIN or none.
-  PageReach set_reach(bool has_pin) const {
+  [[nodiscard]] PageReach set_reach(bool has_pin) const {
     PageReach reach;
     reach.name = "hall-3";
     reach.addresses = {"https://192.0.2.7:8443/"};
@@ -230,7 +230,7 @@ TEST_F(DisplayPatternsTest, shows_how_to_reach_the_page_without_a_pin_but_not_du
     EXPECT_TRUE(patterns.end().ok());
   }
   EXPECT_EQ(head("middle"), help) << "as soon as the call has ended";
-  set_reach(true);
+  static_cast<void>(set_reach(true));
   EXPECT_TRUE(wait_until([&] { return heads() == show; }));
   ASSERT_TRUE(write_file_atomically(run_dir_ / "help", std::string_view("x")));
   EXPECT_TRUE(wait_until([&] { return heads() != show; }));

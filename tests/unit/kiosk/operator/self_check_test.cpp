@@ -59,6 +59,7 @@ TEST(SelfCheck, fails_while_all_workers_hang) {
   HangingPage page("[::1]:0");
   const SelfCheck check("[::1]:0", page.server->port(), SelfCheck::kTls, 500ms);
   std::vector<std::thread> clients;
+  clients.reserve(2);
   for (int i = 0; i < 2; ++i) {
     clients.emplace_back([&] {
       httplib::SSLClient client("::1", page.server->port());

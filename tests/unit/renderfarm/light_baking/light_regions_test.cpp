@@ -37,7 +37,9 @@ struct Regions {
 
 template <typename Run>
 Regions regions_of(Run run) {
-  const std::size_t count = (kWidth / kRegionPx) * (kHeight / kRegionPx);
+  constexpr std::size_t kColumns = kWidth / kRegionPx;
+  constexpr std::size_t kRows = kHeight / kRegionPx;
+  const std::size_t count = kColumns * kRows;
   std::vector<double> sum(count, 0.0);
   std::vector<double> squares(count, 0.0);
   for (int n = 0; n < kRuns; ++n) {
@@ -45,7 +47,8 @@ Regions regions_of(Run run) {
     std::vector<double> light(count, 0.0);
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
-        const auto region = static_cast<std::size_t>(y / kRegionPx * (kWidth / kRegionPx) + x / kRegionPx);
+        const std::size_t row = static_cast<std::size_t>(y) / kRegionPx;
+        const std::size_t region = row * kColumns + static_cast<std::size_t>(x) / kRegionPx;
         light[region] += static_cast<double>(image.at(x, y)[1]) / (kRegionPx * kRegionPx);
       }
     }

@@ -51,9 +51,9 @@ TEST(MeshoptAttributes, single_bits_begin_at_the_lowest) {
   const auto decoded = decode_meshopt_attributes_v1(stream_of(block, bytes_of({0, 0, 0, 0}), 0), 16, 4);
   ASSERT_TRUE(decoded.has_value());
   EXPECT_EQ(std::to_integer<int>((*decoded)[0]), 4);
-  EXPECT_EQ(std::to_integer<int>((*decoded)[4 * 8]), 4);
-  EXPECT_EQ(std::to_integer<int>((*decoded)[4 * 9]), 6);
-  EXPECT_EQ(std::to_integer<int>((*decoded)[4 * 15]), 6);
+  EXPECT_EQ(std::to_integer<int>((*decoded)[32]), 4);
+  EXPECT_EQ(std::to_integer<int>((*decoded)[36]), 6);
+  EXPECT_EQ(std::to_integer<int>((*decoded)[60]), 6);
 }
 
 TEST(MeshoptAttributes, two_bytes_are_added_and_four_are_rotated) {

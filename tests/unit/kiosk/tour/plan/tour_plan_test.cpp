@@ -97,7 +97,7 @@ TEST(TourPlan, names_line_and_remedy_of_every_mistake) {
            {kHead + ("[title]\nen = \"a\\nb\"\n" + one), "one line"},
            {kHead + stop("a", "[0, 0]", "[stop.text]\nen = \"" + std::string(10'000, 'x') + "\"\n"), "at most 4000"},
            {kHead + stop("A", "[0, 0]"), "letters of a to z"},
-           {kHead + one + one, "another stop's"},
+           {kHead + (one + one), "another stop's"},
            {kHead + stop("a", "[0, 0, 0]"), "position_m"},
            {kHead + stop("a", "[0, 1e99]"), "position_m"},
            {kHead + one + "[[way]]\nfrom = \"a\"\nto = \"b\"\n", "no stop 'b'"},

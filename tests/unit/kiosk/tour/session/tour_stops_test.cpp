@@ -35,12 +35,12 @@ class TourStops : public testing::Test {
   }
   ~TourStops() override { fs::remove_all(folder); }
   void write(const std::string& text) { ASSERT_TRUE(write_file_atomically(folder / "tour" / "tour.toml", text)); }
-  TourSettings settings(const FakeFarm& farm) const {
+  [[nodiscard]] TourSettings settings(const FakeFarm& farm) const {
     TourSettings settings = settings_for(farm);
     settings.tour_folder = folder / "tour";
     return settings;
   }
-  TourSettings keeping(const FakeFarm& farm) const {
+  [[nodiscard]] TourSettings keeping(const FakeFarm& farm) const {
     TourSettings keeps = settings(farm);
     keeps.pictures_folder = folder / "pictures";
     keeps.fetch_after = 0s;

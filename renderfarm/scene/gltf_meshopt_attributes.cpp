@@ -19,7 +19,7 @@ constexpr std::size_t kMinTail = 24;
 /// The bits of each delta, by control mode and by the header bits of a group.
 constexpr std::array<std::array<int, 4>, 2> kBits = {{{0, 1, 2, 4}, {1, 2, 4, 8}}};
 
-std::uint8_t value_of(std::byte byte) { return std::to_integer<std::uint8_t>(byte); }
+unsigned value_of(std::byte byte) { return std::to_integer<unsigned>(byte); }
 
 template <typename T>
 T unzigzag(T v) {
@@ -99,7 +99,7 @@ bool read_deltas(Reader* reader, unsigned control, std::size_t count, Deltas* re
 /// Adds the deltas of four bytes to the element before, and writes the elements of a block from `first` on.
 class Channel {
  public:
-  explicit Channel(std::uint8_t mode) : kind_(mode & 15), rotation_(mode >> 4) {}
+  explicit Channel(unsigned mode) : kind_(mode & 15), rotation_(static_cast<int>(mode >> 4)) {}
 
   [[nodiscard]] bool is_valid() const { return kind_ == 2 || (kind_ < 2 && rotation_ == 0); }
 
@@ -144,7 +144,7 @@ class Channel {
     return element;
   }
 
-  int kind_;
+  unsigned kind_;
   int rotation_;
 };
 

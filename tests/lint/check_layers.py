@@ -18,6 +18,7 @@ common/geometry: common/base
 common/http: common/base
 common/image: common/base
 common/json: common/base
+common/network: common/base common/config
 common/opening: common/base common/config
 common/process: common/base
 common/reach: common/base common/json
@@ -80,10 +81,13 @@ appliance/tracker: appliance/calibration appliance/tags common/base common/confi
     common/process common/room common/wand common/wire drivers/camera drivers/devices
 appliance/warp: common/base common/geometry common/image common/room
 
-kiosk/operator: common/base common/board common/config common/http common/image common/opening common/process
-    common/reach common/wand common/wire kiosk/provision kiosk/tour kiosk/update
-kiosk/provision: common/base common/config common/edid common/image common/opening common/process common/room common/wand
-    common/wire kiosk/tour kiosk/update
+kiosk/network: common/base common/network common/process
+kiosk/operator: common/base common/board common/config common/edid common/http common/image common/network
+    common/opening common/process common/reach common/room common/wand common/wire kiosk/network kiosk/provision
+    kiosk/setup kiosk/tour kiosk/update
+kiosk/provision: common/base common/config common/edid common/image common/network common/opening common/process
+    common/room common/wand common/wire kiosk/tour kiosk/update
+kiosk/setup: common/base common/config common/network common/room
 kiosk/tour: common/base common/config common/geometry common/json common/process common/wire renderfarm/client
 kiosk/update: common/base common/config common/opening common/process common/update common/wire kiosk/tour
     renderfarm/client

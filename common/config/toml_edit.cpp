@@ -114,6 +114,8 @@ Result<std::string> with_table(std::string_view text, std::string_view name, std
   const toml::table* const present = expected[table].as_table();
   if (is_there && (present == nullptr || present->is_inline())) return unwritable(name, table);
   std::string changed = ended(is_there ? without(text, expected, table) : std::string(text));
+  // The same table twice gives the same text.
+  while (changed.ends_with("\n\n")) changed.pop_back();
   if (!lines.empty()) changed += (changed.empty() ? "" : "\n") + ended(std::string(lines));
   expected.erase(table);
   if (const toml::node* const node = wanted.get(table)) expected.insert(table, *node);

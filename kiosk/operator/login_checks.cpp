@@ -22,10 +22,10 @@ std::vector<Check> login_checks(Findings findings) {
     return check.id != "settings" && !(check.id == "disk" && check.level == CheckLevel::kFault);
   });
   if (findings.provisioning && !findings.provisioning->in_use.empty()) {
-    told.push_back(
-        {"pin", "PIN", CheckLevel::kFault, "The settings in use have no PIN, so nobody can enter.",
-         "Put a file operator.toml with a line such as pin = \"40 17 73\", but with digits of your own, into "
-         "the stick's folder 'cyclorama', and plug it in again."});
+    told.push_back({"pin", "PIN", CheckLevel::kFault, "The settings in use have no PIN, so nobody can enter.",
+                    "Scan the code on the wall to choose one, or put a file operator.toml with a line such as pin = "
+                    "\"40 17 73\", but with digits of your own, into "
+                    "the stick's folder 'cyclorama', and plug it in again."});
   }
   // Removes secrets that people wrote by mistake where a sentence quotes them.
   const Redaction redaction;

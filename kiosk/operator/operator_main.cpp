@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/address.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
@@ -15,6 +16,7 @@
 #include "kiosk/operator/page_server.h"
 #include "kiosk/operator/reach_writer.h"
 #include "kiosk/operator/self_check.h"
+#include "kiosk/operator/setup_service.h"
 
 namespace cyclorama::operations {
 namespace {
@@ -32,6 +34,8 @@ struct Options {
   std::optional<std::string> calibrator;
   std::optional<std::string> requests;
   std::optional<std::string> reach;
+  std::string run = "/run";
+  std::string devices = "/sys/class";
   bool has_mdns = false;
 };
 
@@ -52,6 +56,10 @@ void add_options(CLI::App& app, Options* options) {
   app.add_option("--calibrator", options->calibrator, "HOST:PORT of the calibrator");
   app.add_option("--reach", options->reach,
                  "File to write how the page is reached, which the wall shows when somebody requests help");
+  app.add_option("--run", options->run, "Folder in which cyclorama-network reports a network that is being tried")
+      ->capture_default_str();
+  app.add_option("--devices", options->devices, "The kernel's lists of devices: projectors, cables, cameras")
+      ->capture_default_str();
   app.add_flag("--mdns", options->has_mdns, "This computer answers to NAME.local, so the wall shows that, too");
   app.add_option("--requests", options->requests,
                  "Folder for requests to the system: a file 'update' or 'factory-reset' triggers a systemd unit");
@@ -126,11 +134,30 @@ Status run(const Options& options, const StopSignal& stop) {
   museum.requests = options.requests.value_or("");
   if (options.keep) museum.recovery_key = std::filesystem::path(*options.keep) / "recovery-key";
   if (access.certificate) museum.fingerprint = access.certificate->fingerprint;
+  std::optional<SetupService> setup;
+  if (options.museum && options.keep) {
+    SetupPlace place{museum.support.museum, *options.keep, museum.requests, options.run, options.devices};
+    for (const Endpoint& endpoint : endpoints)
+      if (endpoint.name == "display") place.display = endpoint.address;
+    setup.emplace(std::move(place));
+  }
   PageExtras extras;
+  extras.setup = setup ? &*setup : nullptr;
   if (options.museum) extras.museum = &museum;
   for (const Endpoint& endpoint : endpoints)
     if (endpoint.name == "tour") extras.tour = endpoint.address;
   extras.sessions = access.sessions.get();
+  extras.sheet = [fingerprint = museum.fingerprint, listen = options.listen] {
+    SheetFacts facts{fingerprint, {}};
+    const auto here = parse_address(listen);
+    for (const std::string& address : outside_addresses()) {
+      const bool is_v6 = address.find(':') != std::string::npos;
+      const int port = here ? here->port : 0;
+      facts.addresses.push_back(is_v6 ? fmt::format("https://[{}]:{}/", address, port)
+                                      : fmt::format("https://{}:{}/", address, port));
+    }
+    return facts;
+  };
   extras.tls = access.tls ? &*access.tls : nullptr;
   TRY_ASSIGN(const std::unique_ptr<PageServer> page, PageServer::start(options.listen, &watch, extras));
   log(LogLevel::kNotice, fmt::format("the operator page listens on {} (port {})", options.listen, page->port()));

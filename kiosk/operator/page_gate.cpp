@@ -5,6 +5,7 @@
 #include <httplib.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -17,6 +18,8 @@ namespace {
 constexpr std::string_view kSessionCookie = "__Host-cyclorama=";
 /// Outlives sessions: it lets a device try PINs while others' wrong PINs are refused unread.
 constexpr std::string_view kDeviceCookie = "__Host-cyclorama-device=";
+/// They check a proof of their own: a PIN, the wall's code, a trial's code.
+constexpr std::array<std::string_view, 3> kOpenRequests{"/login", "/first-pin", "/setup/keep"};
 constexpr std::string_view kCookieRules = "; Path=/; Secure; HttpOnly; SameSite=Strict";
 constexpr int kDeviceCookieMaxAge_s = 400 * 86400;  // Browsers keep no cookie longer.
 
@@ -78,12 +81,14 @@ bool lets_pass(const httplib::Request& request, Sessions* sessions, std::span<co
     return false;
   }
   const bool is_open_to_all =
-      (request.method == "POST" && request.path == "/login") || (!changes && request.path == "/door") ||
+      (request.method == "POST" && std::ranges::find(kOpenRequests, request.path) != kOpenRequests.end()) ||
+      (!changes && request.path == "/door") ||
       (!changes &&
        std::any_of(login.begin(), login.end(), [&](const PageFile& file) { return file.path == request.path; }));
   if (is_open_to_all || sessions->is_open(cookie_in(request, kSessionCookie))) return true;
-  if (request.method == "GET" && request.path == "/") {
-    response.set_redirect("/login.html", 303);
+  if (request.method == "GET" &&
+      (request.path == "/" || request.path == "/install" || request.path == "/install.html")) {
+    response.set_redirect(request.path == "/" ? "/login.html" : "/login.html#next=install", 303);
   } else {
     refuse(401, "enter the PIN", response);
   }

@@ -15,6 +15,8 @@
 namespace cyclorama::operations {
 namespace {
 
+constexpr std::size_t kMaxBodyBytes = std::size_t{64} * 1024;  // A certificate with its chain, or a step's fields.
+
 void serve_state(httplib::Server& server, Watch* watch) {
   server.Get("/status", [watch](const httplib::Request&, httplib::Response& response) {
     response.set_content(status_json(watch->observations()), kJsonType);
@@ -60,8 +62,11 @@ Result<std::unique_ptr<PageServer>> PageServer::start(const std::string& address
     serve_steering(server, watch);
     if (!extras.tour.empty()) serve_stops(server, extras.tour);
     if (extras.museum != nullptr) serve_museum(server, extras.museum);
+    if (extras.setup != nullptr) serve_setup(server, extras.setup, extras.sessions, extras.sheet);
   };
-  TRY_ASSIGN(auto server, HttpServer::start(address, HttpLimits{}, routes,
+  HttpLimits limits;
+  limits.max_body_bytes = kMaxBodyBytes;
+  TRY_ASSIGN(auto server, HttpServer::start(address, limits, routes,
                                             extras.tls == nullptr ? std::nullopt : std::optional(*extras.tls)));
   return std::unique_ptr<PageServer>(new PageServer(std::move(server)));
 }

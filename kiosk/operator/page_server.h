@@ -7,7 +7,7 @@
 ///   GET  /metrics                    metrics.h
 ///   GET  /door                       {"checks": []}: why nobody can log in yet; needs no PIN (login_checks.h)
 ///   POST /steer                      {"forward", "right", "turn"} as application/json; 204
-///   and the requests of museum_routes.h and stop_routes.h.
+///   and the requests of museum_routes.h, setup_routes.h and stop_routes.h.
 ///
 /// Errors are {"error": sentence} with 400, 401 (no PIN was entered: page_gate.h), 403, 404, 413, 415, 421, 429, 502
 /// (the process is away) or 504 (it hangs).
@@ -20,6 +20,7 @@
 #include "common/http/http_server.h"
 #include "kiosk/operator/museum_routes.h"
 #include "kiosk/operator/sessions.h"
+#include "kiosk/operator/setup_routes.h"
 #include "kiosk/operator/watch.h"
 
 namespace cyclorama::operations {
@@ -30,6 +31,8 @@ struct PageExtras {
   Sessions* sessions = nullptr;  ///< Null: no PIN; for this computer only.
   const HttpTls* tls = nullptr;
   std::string tour{};  ///< Address of the tour; empty: none is watched.
+  SetupService* setup = nullptr;
+  std::function<SheetFacts()> sheet{};  ///< For the installer's sheet; set with `setup`.
 };
 
 /// Serves the page. Threading and limits are those of HttpServer. Thread-bound.

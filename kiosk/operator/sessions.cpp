@@ -34,14 +34,6 @@ std::string hexadecimal(std::span<const unsigned char> bytes) {
   return text;
 }
 
-Result<std::string> new_token() {
-  std::array<unsigned char, kTokenBytes> bytes{};
-  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) {
-    return Error(ErrorCode::kSystem, "this computer's random number generator fails");
-  }
-  return hexadecimal(bytes);
-}
-
 /// Returns the text by which a device proves that it had a name from this computer while the PIN's hash was `hash`: the
 /// hash is salted and never leaves this computer, so it serves as the key, and a new PIN makes all devices unknown.
 std::string device_proof(std::string_view name, std::string_view hash) {
@@ -70,6 +62,14 @@ Error wait_for(Duration time, bool has_own_tries) {
 }
 
 }  // namespace
+
+Result<std::string> new_token() {
+  std::array<unsigned char, kTokenBytes> bytes{};
+  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) {
+    return Error(ErrorCode::kSystem, "this computer's random number generator fails");
+  }
+  return hexadecimal(bytes);
+}
 
 Sessions::Sessions(const Clock& clock, std::filesystem::path pin_file, SessionRules rules)
     : clock_(clock),
@@ -111,13 +111,15 @@ void Sessions::forget_old(TimePoint now) {
 
 Sessions::Client Sessions::client_of(const std::string& from, const LoginProofs& proofs, std::string_view hash) {
   if (std::string device = known_device(proofs.device, hash); !device.empty()) return {std::move(device), true};
-  const std::lock_guard lock(mutex_);
-  for (const std::string& code : wall_codes_) {
-    const bool is_right = !code.empty() && code.size() == proofs.wall_code.size() &&
-                          CRYPTO_memcmp(code.data(), proofs.wall_code.data(), code.size()) == 0;
-    if (is_right) return {kWall, true};
-  }
+  if (is_wall_code(proofs.wall_code)) return {kWall, true};
   return {peer_network(from), false};
+}
+
+bool Sessions::is_wall_code(std::string_view code) const {
+  const std::lock_guard lock(mutex_);
+  return std::ranges::any_of(wall_codes_, [&](const std::string& one) {
+    return !one.empty() && one.size() == code.size() && CRYPTO_memcmp(one.data(), code.data(), one.size()) == 0;
+  });
 }
 
 Result<std::string> Sessions::renew_wall_code() {
@@ -163,16 +165,21 @@ Result<Login> Sessions::open(std::string_view pin, const std::string& from, cons
     sessions_.erase(std::min_element(sessions_.begin(), sessions_.end(),
                                      [](const auto& a, const auto& b) { return a.second.used_at < b.second.used_at; }));
   }
-  sessions_[login.session] = {now, now};
+  sessions_[login.session] = {now, now, *hash};
   return login;
 }
 
 bool Sessions::is_open(std::string_view token) {
+  const auto hash = read_text_file(pin_file_, kMaxPinFileBytes);
   const std::lock_guard lock(mutex_);
   const TimePoint now = clock_.now();
   forget_old(now);
   const auto found = sessions_.find(token);
   if (found == sessions_.end()) return false;
+  if (!hash || *hash != found->second.pin_hash) {
+    sessions_.erase(found);
+    return false;
+  }
   found->second.used_at = now;
   return true;
 }

@@ -41,6 +41,9 @@ struct Login {
   std::string device;
 };
 
+/// Returns 256 random bits in hexadecimal. Errors: kSystem if there are none.
+Result<std::string> new_token();
+
 /// Thread-safe. PINs are checked one at a time, so that many concurrent attempts use no more memory than one.
 class Sessions {
  public:
@@ -55,17 +58,20 @@ class Sessions {
   /// to wait, after too many wrong PINs (this PIN is then not checked); kNotFound if no PIN was provisioned;
   /// kBadData, kSystem if the file cannot be read.
   Result<Login> open(std::string_view pin, const std::string& from, const LoginProofs& proofs = {});
-  /// Returns true for a session's token, and marks the session as used.
+  /// Returns true for a session's token, and marks the session as used. A PIN that has changed ends all sessions.
   [[nodiscard]] bool is_open(std::string_view token);
   void close(std::string_view token);
   /// Returns a new code for the wall. The one before it stays valid, for people who have just scanned it. Errors: kSystem
   /// if there are no random numbers.
   Result<std::string> renew_wall_code();
+  /// Returns whether this is one of the two codes on the wall. Guessing it takes longer than a code lasts.
+  [[nodiscard]] bool is_wall_code(std::string_view code) const;
 
  private:
   struct Session {
     TimePoint opened_at{};
     TimePoint used_at{};
+    std::string pin_hash{};
   };
   struct Tries {
     int wrong = 0;
@@ -88,7 +94,7 @@ class Sessions {
   const std::filesystem::path pin_file_;
   const SessionRules rules_;
   std::mutex trying_;  ///< Serialises the checks of PINs.
-  std::mutex mutex_;   ///< Guards the following.
+  mutable std::mutex mutex_;  ///< Guards the following.
   std::map<std::string, Session, std::less<>> sessions_;
   std::array<std::string, 2> wall_codes_;  ///< The newest first; empty: none.
   TriesByClient own_tries_;

@@ -230,6 +230,7 @@ repeat(1000, async () => {
     if (answer.status === 404) return false; // A demo has no museum.
     const museum = await answer.json();
     byId("care").hidden = false;
+    byId("install-link").hidden = false;
     showChecks(museum.checks);
     showCalibration(museum.calibration);
     showHealing(museum.watched);

@@ -3,7 +3,7 @@ import { byId, get, make, pause, post } from "./helpers.js";
 
 const pin = byId("pin");
 const note = byId("note");
-const button = document.querySelector("button");
+const button = document.querySelector("#form button");
 
 // The QR code on the wall adds the certificate's fingerprint, and a code which proves that somebody has seen the wall.
 const fromWall = new URLSearchParams(location.hash.slice(1));
@@ -21,7 +21,7 @@ byId("form").addEventListener("submit", async (event) => {
   try {
     const answer = await post("/login", { pin: pin.value, wall: fromWall.get("wall") || "" }, 15000);
     if (answer.ok) {
-      location.replace("/");
+      location.replace(fromWall.get("next") === "install" ? "/install.html" : "/");
       return;
     }
     const why = (await answer.json()).error;
@@ -33,6 +33,36 @@ byId("form").addEventListener("submit", async (event) => {
   }
   button.disabled = false;
   pin.select();
+});
+
+// ---- The first PIN: for somebody who has scanned the wall's code, which proves that they stand before it ----
+byId("first").addEventListener("submit", async (event) => {
+  event.preventDefault();
+  const chosen = byId("first-pin").value;
+  const firstNote = byId("first-note");
+  if (chosen !== byId("first-again").value) {
+    firstNote.textContent = "The two are not the same.";
+    return;
+  }
+  const submit = byId("first").querySelector("button");
+  submit.disabled = true;
+  try {
+    const answer = await post("/first-pin", { pin: chosen, wall: fromWall.get("wall") || "" }, 15000);
+    if (!answer.ok) throw new Error((await answer.json()).error);
+    firstNote.textContent = "It is checked with all settings; that takes some seconds.";
+    for (let i = 0; i < 240; ++i) {
+      await pause(500);
+      const login = await post("/login", { pin: chosen, wall: fromWall.get("wall") || "" }, 15000);
+      if (login.ok) {
+        location.replace("/install.html");
+        return;
+      }
+    }
+    throw new Error("the PIN did not come into use; the reason is above");
+  } catch (problem) {
+    firstNote.textContent = `That did not work: ${problem.message}.`;
+  }
+  submit.disabled = false;
 });
 
 // While no PIN is in use, the page shows everybody the reason, and polls until a USB stick has brought one.
@@ -47,6 +77,7 @@ async function watchTheDoor() {
       told = checks.length > 0;
       byId("door").hidden = !told;
       byId("form").hidden = told;
+      byId("first").hidden = !told || !fromWall.get("wall");
       byId("told").replaceChildren(
         ...checks.map((check) => {
           const item = make("li", "", check.level);

@@ -39,6 +39,13 @@ TEST(TomlEdit, replaces_one_table_with_its_subtables_and_keeps_the_rest) {
   EXPECT_EQ(changed(with_table("", "site.toml", "network", "[network]\n")), "[network]\n");
 }
 
+TEST(TomlEdit, changes_nothing_the_second_time) {
+  const std::string once = changed(with_table(kSite, "site.toml", "network", "[network]\nvlan = 8\n"));
+  EXPECT_EQ(changed(with_table(once, "site.toml", "network", "[network]\nvlan = 8\n")), once);
+  const std::string named = changed(with_value(kSite, "site.toml", "farm", "scene", "\"grotto\""));
+  EXPECT_EQ(changed(with_value(named, "site.toml", "farm", "scene", "\"grotto\"")), named);
+}
+
 TEST(TomlEdit, replaces_arrays_of_tables_within_a_table) {
   EXPECT_EQ(changed(with_table("[watch]\na = 1\n[[watch.camera]]\nname = \"l\"\n[[watch.camera]]\n[z]\n", "c.toml",
                                "watch", "[watch]\na = 2\n")),

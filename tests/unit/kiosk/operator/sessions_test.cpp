@@ -213,6 +213,31 @@ TEST(Sessions, require_the_new_pin_as_soon_as_it_is_provisioned) {
   EXPECT_EQ(door.refused("771340"), ErrorCode::kBadData);
 }
 
+TEST(Sessions, end_when_the_pin_changes_or_goes) {
+  LoginFixture door;
+  const auto login = door.sessions->open("401773", kHere);
+  ASSERT_TRUE(login);
+  door.set_pin("501773");
+  EXPECT_FALSE(door.sessions->is_open(login->session));
+  const auto again = door.sessions->open("501773", kHere);
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(door.sessions->is_open(again->session));
+  std::filesystem::remove(door.folder / "pin");
+  EXPECT_FALSE(door.sessions->is_open(again->session));
+}
+
+TEST(Sessions, know_the_two_newest_codes_of_the_wall) {
+  LoginFixture door;
+  EXPECT_FALSE(door.sessions->is_wall_code(""));
+  const std::string first = *door.sessions->renew_wall_code();
+  const std::string second = *door.sessions->renew_wall_code();
+  EXPECT_TRUE(door.sessions->is_wall_code(first));
+  EXPECT_TRUE(door.sessions->is_wall_code(second));
+  EXPECT_FALSE(door.sessions->is_wall_code(second.substr(1)));
+  ASSERT_TRUE(door.sessions->renew_wall_code());
+  EXPECT_FALSE(door.sessions->is_wall_code(first));
+}
+
 TEST(Sessions, are_limited_in_number) {
   SessionRules rules;
   rules.max = 2;

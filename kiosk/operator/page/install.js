@@ -95,8 +95,8 @@ function projectorButtons(number) {
     line.append(one);
   };
   const name = fieldsOf("projectors")[`${number}.name`] || `projector ${number}`;
-  button("Let it blink", `Let ${name} blink`, () => blink(number));
-  if (number > 1) button("To the left", `Move ${name} to the left`, () => swap(number, number - 1));
+  button("Let it blink", `Let it blink: ${name}`, () => blink(number));
+  if (number > 1) button("To the left", `To the left: ${name}`, () => swap(number, number - 1));
   return line;
 }
 

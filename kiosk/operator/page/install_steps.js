@@ -19,6 +19,8 @@ function cameras(setup, value) {
   return options;
 }
 
+const isCalibrated = (setup, museum) => museum?.calibration?.state === "done" || setup.has_calibration;
+const areInUse = (setup) => Object.values(setup.steps).every((step) => step.in_use);
 const numbers = [...Array(8).keys()].map((i) => [String(i + 1), String(i + 1)]);
 
 export function projectorFields(values, plugged) {
@@ -160,9 +162,9 @@ export const steps = [
     name: "calibration",
     title: "Calibration",
     intro: "The camera stands on its turntable at the visitor's place; the room is dark and empty, the projectors are warm.",
-    state: (setup, museum) => (museum?.calibration?.state === "done" || setup.has_calibration ? "used" : "ready"),
+    state: (setup, museum) => (isCalibrated(setup, museum) ? "used" : "ready"),
     missing: (setup, museum) =>
-      museum?.calibration?.state === "done" || setup.has_calibration
+      isCalibrated(setup, museum)
         ? "A calibration is in use."
         : "The wall has not been measured yet; until then the pictures follow from the lengths of step 4.",
   },
@@ -188,10 +190,12 @@ export const steps = [
     name: "done",
     title: "Done",
     intro: "What is left, and a sheet for the folder in the museum's office.",
-    state: (setup) => (Object.values(setup.steps).every((step) => step.in_use) ? "used" : "open"),
-    missing: (setup) =>
-      Object.values(setup.steps).every((step) => step.in_use)
-        ? "Every step is in use."
-        : "Some steps are not in use yet; the list of steps shows which.",
+    state: (setup, museum) => (areInUse(setup) && isCalibrated(setup, museum) ? "used" : "open"),
+    missing: (setup, museum) =>
+      !areInUse(setup)
+        ? "Some steps are not in use yet; the list of steps shows which."
+        : isCalibrated(setup, museum)
+          ? "Every step is in use."
+          : "All settings are in use, but the wall has not been measured yet.",
   },
 ];

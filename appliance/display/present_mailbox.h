@@ -40,7 +40,7 @@ struct RefreshEvent {
   std::int64_t heading_shutter_ns = 0;  ///< Shutter time of a heading that this refresh shows first; else 0.
   bool is_past_guard = false;
   double attract_share = 0.0;  ///< 1: only the attract picture is visible.
-  double cut_share = 0.0;      ///< Share of the place that a cut leaves; 0: no cut is being shown.
+  double cut_share = 0.0;      ///< Weight of the place that a cut leaves; 0: no cut is being shown.
   bool is_fading_in = false;   ///< The frame is mixed with the one that it refines.
   double heading_rad = 0.0;    ///< Heading that the picture was turned to.
   double turn_rad = 0.0;       ///< Angle by which the picture was turned.

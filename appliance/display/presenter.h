@@ -30,12 +30,12 @@ struct PresenterState {
   HeadPlans plans;                        ///< Plans that the heads draw with, or will draw with next.
 };
 
-/// Draws the heads and shows them; runs on the present thread. A frame of another place fades in over the place that was
-/// left, which stays as it was; headings of a place turn only its frames. On heads where the two eyes alternate,
+/// Draws the heads and shows them; runs on the present thread. A frame of another place fades in over the place that
+/// was left, which stays as it was; headings of a place turn only its frames. On heads where the two eyes alternate,
 /// refreshes with an even number, as all displays of a tour count them (synchronised_refresh.h), show the left eye.
 /// Thread-bound to the output's GL context. After warm-up (the first frames of the largest size, and the first cut) it
-/// allocates and frees nothing, takes no lock, writes no log and opens nothing, apart from what the graphics driver does
-/// inside.
+/// allocates and frees nothing, takes no lock, writes no log and opens nothing, apart from what the graphics driver
+/// does inside.
 class Presenter {
  public:
   /// Shows `attract` until a frame comes, and when frames fail. `plans` are for the output's heads, in order;

@@ -166,7 +166,7 @@ Status run(const Options& options, const StopSignal& stop) {
     if (heard.stop) steer.go_to(*heard.stop);
     if (const int steps = inputs.take_steps(); steps != 0) steer.go_to(steps > 0 ? 1 : -1);
     if (inputs.take_help() && !options.help_pressed.empty()) {
-      // Its time counts, and its content is for people.
+      // The display reads only the file's time; the text is for people.
       const Status written = write_file_atomically(options.help_pressed, std::string_view("Help was pressed.\n"));
       if (!written) log(LogLevel::kError, written.error().message());
     }

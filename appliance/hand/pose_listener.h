@@ -14,7 +14,8 @@
 
 namespace cyclorama::hand {
 
-/// Messages of other programs: poses that replace those of Cyclorama's tracker, steering commands, and requests for stops.
+/// Messages of other programs: poses that replace those of Cyclorama's tracker, steering commands, and requests for
+/// stops.
 struct ReceivedPoses {
   std::vector<tracker::PoseReport> poses;
   std::optional<std::array<double, 3>> steer;  ///< The newest command: forward, right, turn.

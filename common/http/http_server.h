@@ -41,8 +41,8 @@ void answer_error(const Error& error, httplib::Response& response);
 void serve_page(httplib::Server& server, std::span<const PageFile> files);
 
 /// An HTTP server: HttpLoop reads requests and sends answers with deadlines (ConnectionLimits), and cpp-httplib parses
-/// and routes those that are whole. Bodies beyond the limit are refused. Every answer has a content security policy that
-/// allows nothing from other sources, and forbids caching. Thread-bound.
+/// and routes those that are whole. Bodies beyond the limit are refused. Every answer has a content security policy
+/// that allows nothing from other sources, and forbids caching. Thread-bound.
 class HttpServer {
  public:
   /// Starts serving; port 0 selects a free one. `routes` adds the handlers, which are called on the pool's threads.

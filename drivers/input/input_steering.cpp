@@ -12,7 +12,7 @@ namespace {
 constexpr double kDead = 0.15;      // Dead zone, as a fraction of a stick's travel: worn sticks rest off centre.
 constexpr double kCapFull = 350.0;  // Value that 3D mice report at full deflection of the cap.
 constexpr double kCapDead = 0.08;
-constexpr std::int32_t kPress = 1;  // 2 is a repetition of a key that is held.
+constexpr std::int32_t kPress = 1;  // 2 repeats a key that is held.
 
 /// Returns 0 up to `dead`, then a gentle increase.
 double gentle(double deflection, double dead) {

@@ -70,7 +70,8 @@ class InputSteering {
   /// Updates the state; events without a meaning for steering are ignored.
   void take(const InputEvent& event, TimePoint at);
   [[nodiscard]] InputCommand command(TimePoint now) const;
-  /// Returns how often "next" was pressed since the last call, less how often "previous" was. Holding a key counts once.
+  /// Returns how often "next" was pressed since the last call, less how often "previous" was. Holding a key counts
+  /// once.
   [[nodiscard]] int take_steps() { return std::exchange(steps_, 0); }
   /// Number of presses of Help or F1 so far.
   [[nodiscard]] unsigned help_presses() const { return help_presses_; }

@@ -68,8 +68,8 @@ void read_temperature(const fs::path& root, MachineFacts* ret) {
   }
 }
 
-/// Reads the state written by the image's script that mounts /var: "encrypted", "plain: Secure Boot is off", "in memory:
-/// the disk cannot be read".
+/// Reads the state written by the image's script that mounts /var: "encrypted", "plain: Secure Boot is off", "in
+/// memory: the disk cannot be read".
 void read_var(const fs::path& root, MachineFacts* ret) {
   const auto said = line_of(root / "run/cyclorama/var");
   if (!said) return;

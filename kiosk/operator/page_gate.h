@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Access control of the operator page.
 ///
-///   with a PIN (HTTPS):    POST /login {"pin", "wall"} ──▶ a cookie __Host-cyclorama (Secure, HttpOnly, SameSite=Strict)
+///   with a PIN (HTTPS):    POST /login {"pin", "wall"} ──▶ cookie __Host-cyclorama (Secure, HttpOnly, SameSite=Strict)
 ///                          required by everything but the login page; POST /logout ends it
 ///                          while there is no PIN yet, GET /door reports why (login_checks.h), and so does /login
 ///   without (loopback):    open to everybody on this computer, but only under a loopback name, so that a foreign name

@@ -6,8 +6,8 @@
 
 namespace cyclorama::tour {
 
-/// Requests about the tour's stops and the scene's lamps; museum.proto states their errors. Called on gRPC's threads, so implementations are
-/// thread-safe; they may read and write the tour's file, but wait for nobody.
+/// Requests about the tour's stops and the scene's lamps; museum.proto states their errors. Called on gRPC's threads,
+/// so implementations are thread-safe; they may read and write the tour's file, but wait for nobody.
 class StopRequests {
  public:
   virtual ~StopRequests() = default;

@@ -282,7 +282,7 @@ void Tour::on_opened(const wire::SceneDescription& scene) {
     open(scene, SteadyClock().now());
     farm_away_.reset();
     if (is_held) {
-      // The displays fade from the kept picture to the live one. A view from before the loss is answered first, perhaps.
+      // The displays fade from the kept picture to the live one. A view from before the loss may be answered first.
       begin_cut();
       first_live_ = first_after_cut_;
     }

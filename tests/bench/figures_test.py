@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Checks how documents are made from records, and which code a benchmark measures. Run: figures_test.py"""
+import contextlib
 import importlib.machinery
 import importlib.util
+import io
 import pathlib
 import sys
 import tempfile
@@ -62,6 +64,32 @@ class Blocks(unittest.TestCase):
             self.fill("<!-- figures two/first -->\n")
 
 
+class Taking(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        for name in ("FRESH", "KEPT"):
+            self.addCleanup(setattr, figures.record, name, getattr(figures.record, name))
+            setattr(figures.record, name, pathlib.Path(folder.name) / name)
+
+    def take(self, *names):
+        with contextlib.redirect_stdout(io.StringIO()):
+            figures.take(names)
+        return {name: kept["options"] for name, kept in figures.records().items()}
+
+    def test_whole_runs_are_taken_and_quick_ones_by_name(self):
+        figures.record.write({**MEASURED, "benchmark": "governor"})
+        figures.record.write({**MEASURED, "benchmark": "edid", "options": ["--quick"]})
+        self.assertEqual(self.take(), {"governor": []})
+        self.assertEqual(self.take("edid.quick"), {"governor": [], "edid": ["--quick"]})
+
+    def test_failed_unknown_and_missing_records_are_refused(self):
+        figures.record.write({**MEASURED, "benchmark": "governor", "status": 3})
+        for name, sentence in (("governor", "ended with 3"), ("other", "no benchmark 'other'"), ("edid", "no record edid")):
+            with self.subTest(name), self.assertRaisesRegex(figures.FiguresError, sentence):
+                self.take(name)
+
+
 class Code(unittest.TestCase):
     def files(self, name):
         return figures.measured_code.files_of(figures.run.read_table()[name])
@@ -105,7 +133,7 @@ class Night(unittest.TestCase):
 
     def test_the_page_tells_what_fell_what_holds_and_what_waits(self):
         nightly.record.write(MEASURED)
-        nightly.record.write({**MEASURED, "result": {"a": {"b": 1}}, "goals": {}}, nightly.record.KEPT)
+        nightly.record.keep({**MEASURED, "result": {"a": {"b": 1}}, "goals": {}})
         nightly.record.write({**MEASURED, "benchmark": "good", "goals": {"a.b <= 3": True}})
         done = {"status": 0, "seconds": 7}
         state = {"commit": "c", "done": {"one": done, "good": done, "broken": {"status": 1, "seconds": 1},

@@ -70,12 +70,20 @@ def make(name, entry, words, started, load_before, status, printed):
             "machine": machine(), "load_before": load_before, "status": status, "result": result, "printed": text}
 
 
-def write(record, folder=None):
-    """Writes a record whole or not at all, into build/figures unless told otherwise, and returns its file."""
-    folder = folder or FRESH
-    folder.mkdir(parents=True, exist_ok=True)
+def write(record):
+    """Writes a fresh record into build/figures; one of a quick run beside that of a whole one. Returns its file."""
     quick = ".quick" if "--quick" in record["options"] else ""
-    file = folder / f"{record['benchmark']}{quick}.json"
+    return write_to(FRESH / f"{record['benchmark']}{quick}.json", record)
+
+
+def keep(record):
+    """Writes a record into docs/figures."""
+    return write_to(KEPT / f"{record['benchmark']}.json", record)
+
+
+def write_to(file, record):
+    """Writes a record whole or not at all, and returns its file."""
+    file.parent.mkdir(parents=True, exist_ok=True)
     part = file.with_suffix(".part")
     part.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     part.replace(file)

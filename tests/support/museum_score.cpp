@@ -84,6 +84,7 @@ MuseumScore museum_score(const simulated::TrueMuseum& truth, const DirectionOfPi
   for (const double error : apart) score.mean_px += error / static_cast<double>(apart.size());
   score.p95_px = at_fraction(&apart, 0.95);
   score.max_px = apart.empty() ? 0.0 : apart.back();
+  score.apart_px = std::move(apart);
   if (correspondences.empty()) return score;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(together, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const double sign = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0 ? -1.0 : 1.0;

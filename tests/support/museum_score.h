@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "drivers/simulated/museum/true_museum.h"
 
@@ -15,6 +16,7 @@ struct MuseumScore {
   double mean_px = 0.0;  ///< Mean distance between two projectors' drawings of one point of the wall.
   double p95_px = 0.0;
   double max_px = 0.0;
+  std::vector<double> apart_px{};   ///< All of these distances, the smallest first.
   std::size_t correspondences = 0;  ///< Number of compared points in overlaps.
   /// 95th percentile of the errors against the view from the turntable's centre, after alignment of heading and tilt.
   double true_p95_px = 0.0;

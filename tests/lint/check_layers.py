@@ -101,7 +101,7 @@ tests/unit: tests/bench tests/data_sets tests/doubles tests/support
 PRODUCT = ("common", "drivers", "renderfarm", "appliance", "kiosk")
 # The truth of a simulated museum. Who calibrates may meet neither these headers, also by way of others, nor the file's
 # name; the appliance and the kiosk hold all that a museum runs.
-TRUTH_HEADERS = {f"drivers/simulated/museum/{name}.h" for name in ("truth", "true_museum", "presets", "flaws", "simulated_show")}
+TRUTH_HEADERS = {f"drivers/simulated/museum/{name}.h" for name in ("truth", "true_museum", "presets", "flaws", "as_sold", "simulated_show")}
 TRUTH_FILE = re.compile(r"truth\.(toml|json)")
 TRUTH_CALL = re.compile(r"(?:\.|->)truth\(\)")  # Of a simulated museum, which devices for it hold.
 BLIND = ("appliance", "kiosk")

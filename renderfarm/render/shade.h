@@ -227,14 +227,14 @@ class Shade {
   /// Returns the light that was computed ahead for this point; null if paths must be traced.
   [[nodiscard]] std::optional<Vec3> stored_light(const PathRay& ray, const RTCHit& hit, const TriangleHit& triangle,
                                                  const SurfacePoint& point, const Vec3& normal) const {
-    if (scene_.light == nullptr || !view_.quality.stored_light) return std::nullopt;
+    if (view_.light == nullptr || !view_.quality.stored_light) return std::nullopt;
     if (ray.scatterings > view_.max_stored_scatterings) return std::nullopt;
     const SurfaceMesh& mesh = *triangle.mesh;
     if (!reads_stored_light(*mesh.material)) return std::nullopt;
     const light::LightPlace place{top_of(hit), point.front ? 0 : 1, hit.primID, mesh.triangles[hit.primID],
                                   triangle.weights};
-    if (mesh.material->normal == nullptr) return scene_.light->lit(place, view_.lamps);
-    return scene_.light->lit(place, view_.lamps, [&](const light::LightStore& group) {
+    if (mesh.material->normal == nullptr) return view_.light->lit(place, view_.lamps);
+    return view_.light->lit(place, view_.lamps, [&](const light::LightStore& group) {
       return light::bent_share(group.direction_at(place), point.normal, normal);
     });
   }

@@ -15,7 +15,7 @@ constexpr int kAhead = 16;
 class StoredLightStage {
  public:
   StoredLightStage(const TraceScene& scene, const TraceView& view, PathBatch& batch)
-      : scene_(scene), view_(view), light_(*scene.light), batch_(batch), rays_(batch.current().rays) {}
+      : scene_(scene), view_(view), light_(*view.light), batch_(batch), rays_(batch.current().rays) {}
 
   void run() {
     std::array<PathRay, kMaxRays>& state = batch_.current().state;
@@ -143,8 +143,8 @@ class StoredLightStage {
 
 }  // namespace
 
-bool ends_at_stored_light(const TraceScene& scene, const TraceView& view) {
-  return view.quality.stored_light && scene.light != nullptr && !view.features;
+bool ends_at_stored_light(const TraceView& view) {
+  return view.quality.stored_light && view.light != nullptr && !view.features;
 }
 
 void end_at_stored_light(const TraceScene& scene, const TraceView& view, PathBatch& batch) {

@@ -80,7 +80,7 @@ struct TraceScene {
   LampGeometries lamps;  ///< Lights that rays can hit.
   Vec3 ambient = Vec3::Zero();
   Vec3 eye_lamp = Vec3::Zero();
-  const light::LightStore* light = nullptr;  ///< Stored light, which fits the placements; null if there is none.
+  const light::LightStore* light = nullptr;  ///< Stored light of views that have none of their own; null if none.
 };
 
 /// Returns `source` with its textures requested; they exist once `textures` is built. Borrows all three arguments.

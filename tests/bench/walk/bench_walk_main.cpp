@@ -95,11 +95,10 @@ SceneArgument parsed_scene(const std::string& text) {
 
 Result<WalkedScene> open_scene(const SceneArgument& of) {
   WalkedScene scene;
-  TRY_ASSIGN(scene.renderer, node::embree_scene_loader(0)(of.path, [](double) {}));
+  TRY_ASSIGN(scene.renderer, node::embree_scene_loader(std::make_shared<render::Crew>(0))(of.path, [](double) {}));
   if (!of.light.empty()) {
     TRY_ASSIGN(const MappedFile file, MappedFile::open(of.light));
-    TRY_ASSIGN(const node::VersionedLight light, scene.renderer->add_light(file.bytes(), of.light));
-    scene.renderer->use_light(light);
+    TRY(scene.renderer->add_light(file.bytes(), of.light));
   }
   if (!scene.renderer->note().empty()) fmt::print("{}\n", scene.renderer->note());
   wire::SceneDescription description = scene.renderer->description();

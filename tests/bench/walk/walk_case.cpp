@@ -97,6 +97,7 @@ render::PanoramaView WalkCase::view_of(const WalkPose& pose, const PictureShape&
   view.quality.samples = samples;
   view.quality.bounces = renderer_.bounces();
   view.quality.stored_light = has_light_;
+  if (has_light_) view.light = renderer_.light_versions()->newest()->store;
   view.seed = ++seed_;
   return view;
 }
@@ -105,7 +106,10 @@ render::RenderCost WalkCase::render_picture(const render::PanoramaView& view, Rg
                                             InverseDepthImage* ret_depth) {
   const PixelRect rect{0, 0, view.panorama.width_px, view.panorama.height_px};
   if (!view.quality.stored_light) {
-    return renderer_.begin_denoised(view, rect)->advance([] { return false; }, ret_pixels, ret_depth);
+    RadianceImage light;
+    render::RenderCost cost = renderer_.begin_denoised(view, rect)->advance([] { return false; }, &light, ret_depth);
+    *ret_pixels = renderer_.developed(light);
+    return cost;
   }
   render::Film film(rect.width, rect.height, false);
   if (view.depth) {

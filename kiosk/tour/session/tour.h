@@ -14,6 +14,7 @@
 
 #include "common/base/clock.h"
 #include "common/wire/inspection_service.h"
+#include "kiosk/tour/caption/caption_writer.h"
 #include "kiosk/tour/navigation/visit_walk.h"
 #include "kiosk/tour/plan/tour_folder.h"
 #include "kiosk/tour/plan/tour_plan.h"
@@ -83,6 +84,7 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   Result<wire::UndoStopReply> undo_stop() override;
   Result<wire::SetLampsReply> set_lamps(const wire::SetLampsRequest& request) override;
   Result<wire::FetchPicturesReply> fetch_pictures() override;
+  Result<wire::SetCaptionsReply> set_captions(const wire::SetCaptionsRequest& request) override;
 
   void on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) override;
   void on_tracker_joined(std::uint64_t tracker) override;
@@ -150,6 +152,17 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   [[nodiscard]] wire::View view_of(const GuideStop& stop, const Projection& wanted) const;
   void show_tour(TimePoint now);
 
+  // In tour_captions.cpp; all require the lock:
+
+  /// Begins with the languages of the present tour.
+  void open_captions();
+  /// Writes on the wall what belongs to the stop where the visitor stands, if anything has changed.
+  void tend_captions(TimePoint now);
+  [[nodiscard]] std::optional<CaptionScript> caption_script() const;
+  /// Learns which wall the displays have, and reports on the captions.
+  void show_captions();
+  void choose_next_language();
+
   const TourSettings settings_;
   InspectionService& inspection_;
   VisitLog log_;
@@ -195,6 +208,15 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   std::optional<std::size_t> lamps_of_stop_;  ///< Stop whose lamps were set last.
   std::optional<std::size_t> kept_shown_;     ///< Stop whose kept picture the displays show.
   std::unique_ptr<StopPictures> pictures_;    ///< Null: no folder is set.
+  std::vector<std::filesystem::file_time_type> caption_times_;  ///< Of the files that the newest tour names.
+  TourPlan newest_plan_;                     ///< Names these files; empty unless plan_text_ could be read.
+  std::vector<std::string> caption_languages_;  ///< Those that are written.
+  /// Stop where the visitor has arrived and not left, and when that was.
+  std::optional<std::pair<std::size_t, TimePoint>> captions_of_stop_;
+  std::optional<CaptionWall> caption_wall_;  ///< Nothing before the first display.
+  bool are_captions_told_ = true;         ///< `captions_` has the present script.
+  std::optional<TimePoint> back_seen_at_;  ///< When the wand's back was seen last.
+  CaptionWriter captions_;
 
   std::unique_ptr<client::FarmClient> farm_;
   std::thread walker_;

@@ -58,9 +58,4 @@ std::string printable(std::string_view text, std::size_t limit) {
   return out;
 }
 
-std::size_t character_count(std::string_view utf8) {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(utf8, [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80; }));
-}
-
 }  // namespace cyclorama

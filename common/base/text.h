@@ -16,7 +16,4 @@ std::optional<long long> parse_integer(std::string_view text);
 /// bytes is cut between characters, with an ellipsis. The result is always UTF-8.
 std::string printable(std::string_view text, std::size_t limit = 60);
 
-/// Number of characters of a UTF-8 text.
-[[nodiscard]] std::size_t character_count(std::string_view utf8);
-
 }  // namespace cyclorama

@@ -170,6 +170,7 @@ std::vector<VectorPage> wand_sheet(int number, const Paper& paper) {
   VectorPage back(paper.width_mm, paper.height_mm);
   CardDrawing of_back(card, &back);
   of_back.draw_tag(kBackTag, 0.0);
+  of_back.write(-20.0, -0.5 * drawing.panel_mm() - 8.0, 4.0, "back: the next language");
   of_back.draw_panel();
   return {sheet, instructions(number, paper), back};
 }

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "common/base/check.h"
-#include "common/base/text.h"
+#include "kiosk/tour/plan/characters.h"
 #include "kiosk/tour/plan/webvtt.h"
 
 using namespace cyclorama;
@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Duration before{};
   for (const tour::Cue& cue : *cues) {
     CHECK(cue.begin >= before && cue.end > cue.begin && cue.end <= tour::kMaxCueTime);
-    CHECK(character_count(cue.text) <= tour::kMaxCueCharacters);
+    CHECK(tour::character_count(cue.text) <= tour::kMaxCueCharacters);
     before = cue.begin;
   }
   return 0;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/base/text.h"
+#include "kiosk/tour/plan/characters.h"
 
 namespace cyclorama::tour {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "common/base/text.h"
 #include "common/base/text_lines.h"
+#include "kiosk/tour/plan/characters.h"
 
 namespace cyclorama::tour {
 namespace {

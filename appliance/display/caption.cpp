@@ -26,7 +26,8 @@ Result<Caption> caption_of(const wire::Caption& message) {
       std::abs(message.azimuth_rad()) <= std::numbers::pi && std::abs(message.elevation_rad()) < 0.5 * std::numbers::pi;
   if (!is_in_front) return wrong("its direction is no azimuth and elevation");
   caption.ink = GreyImage(static_cast<int>(message.width_px()), static_cast<int>(message.height_px()));
-  std::ranges::transform(message.ink(), caption.ink.data().begin(), [](char c) { return static_cast<std::uint8_t>(c); });
+  std::ranges::transform(message.ink(), caption.ink.data().begin(),
+                         [](char c) { return static_cast<std::uint8_t>(c); });
   caption.azimuth_rad = message.azimuth_rad();
   caption.elevation_rad = message.elevation_rad();
   caption.width = message.width();

@@ -11,12 +11,12 @@
 
 namespace cyclorama::display {
 
-/// What is written on the wall, and where: a plate that darkens the picture, with light letters. A value.
+/// Text on the wall: a plate that darkens the picture, with light letters. A value.
 struct Caption {
   GreyImage ink;  ///< Coverage by letters; empty: nothing is written.
   double azimuth_rad = 0.0;
   double elevation_rad = 0.0;
-  double width = 0.0;  ///< As in wire::Caption.
+  double width = 0.0;  ///< Size in the units of wire::Caption.
   double height = 0.0;
 };
 

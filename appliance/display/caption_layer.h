@@ -16,7 +16,7 @@ struct CaptionMailbox {
   AtomicSlot<Caption> replaced;
 };
 
-/// What is written on the wall at present. One caption fades out before the next fades in, since nobody reads a mixture
+/// The caption on the wall. One caption fades out before the next fades in, since nobody reads a mixture
 /// of two. Thread-bound to the GL context; borrows the Gl table, the heads and the mailbox. It allocates nothing, apart
 /// from the first caption's program and the driver's memory for the largest.
 class CaptionLayer {

@@ -134,7 +134,7 @@ class Display : private FrameSink {
   std::vector<std::string> depth_troubles_;
   std::uint64_t newest_ready_ = 0;  // DisplayFrame::order of the newest frame that was handed over.
 
-  bool is_written_to_ = false;  // Used by the stream's messages only: there was a caption.
+  bool is_written_to_ = false;             // Used by the stream's messages only: there was a caption.
   std::vector<HeadFootprint> footprints_;  // Footprints of the heads in use, or of those that will be used next.
   std::optional<Error> misfit_;            // Set while the newest calibration is refused.
   std::optional<Error> loss_;              // Set while there is no output.

@@ -52,12 +52,12 @@ Eigen::Matrix3d turning(const PictureShape& shape, double turn_rad, const Eigen:
 }
 
 /// Scale and offset from a position (across, up) to the texture of a turned panorama, before it wraps; in the units of
-/// the shader, which are the texture's size, or pixels from the centre of its first pixel. Of other pictures, without
-/// the turn.
+/// the shader, which are the texture's size, or pixels from the centre of its first pixel. In other pictures the turn is
+/// not included.
 struct InTexture {
   Eigen::Vector2d per_position;
   Eigen::Vector2d at_origin;
-  double width = 1.0;   ///< Pixels of a unit.
+  double width = 1.0;  ///< Pixels of a unit.
   double height = 1.0;
   double zero = 0.0;     ///< Pixel at 0.
   double first_row = 0;  ///< First row of the eye's picture: the right eye's lies below the left eye's.
@@ -404,7 +404,7 @@ void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture& other, d
 void HeadPainter::draw_over(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now,
                             const ShownCaption* caption) const {
   Pass pass{&shown, &other, fade, needs_edges(shown) || needs_edges(other)};
-  // What the caption covers must not be blended twice.
+  // The part that the caption covers must not be blended twice.
   if (!caption_box_.empty()) pass.caption = caption;
   draw(pass, now);
 }

@@ -71,17 +71,17 @@ class HeadProgram {
   };
   Picture picture;
   Picture other;
-  GLint fade = -1;      ///< Share of the other picture.
-  GLint per_px = -1;    ///< 1 / the head's size.
-  GLint matrix = -1;    ///< Colour matrix, column by column.
-  GLint black = -1;     ///< Black level of the other projectors, in linear light.
-  GLint response = -1;  ///< Scale and offset from light to the table: (steps - 1) / steps, 0.5 / steps.
-  GLint to_caption = -1;      ///< Matrix to the caption, from `at`; with kFisheye from the direction in the picture's axes.
-  GLint caption_turn = -1;    ///< Width of a whole turn in captions; very large where the picture has none.
-  GLint caption_part = -1;    ///< Size of the caption in its texture, then half a texel.
-  GLint caption_edge = -1;    ///< 1 / the width of the plate's soft edge, as a part of the caption.
+  GLint fade = -1;        ///< Share of the other picture.
+  GLint per_px = -1;      ///< 1 / the head's size.
+  GLint matrix = -1;      ///< Colour matrix, column by column.
+  GLint black = -1;       ///< Black level of the other projectors, in linear light.
+  GLint response = -1;    ///< Scale and offset from light to the table: (steps - 1) / steps, 0.5 / steps.
+  GLint to_caption = -1;  ///< Matrix to the caption, from `at`; with kFisheye from the direction in the picture's axes.
+  GLint caption_turn = -1;  ///< Width of a whole turn in captions; very large where the picture has none.
+  GLint caption_part = -1;  ///< Size of the caption in its texture, then half a texel.
+  GLint caption_edge = -1;  ///< 1 / the width of the plate's soft edge, as a part of the caption.
   GLint caption_share = -1;
-  GLint step = -1;      ///< Step of the output's code values; 1 / 255 for 8 bits.
+  GLint step = -1;  ///< Step of the output's code values; 1 / 255 for 8 bits.
 
  private:
   HeadProgram(output::GlProgram program, const HeadFeatures& features)

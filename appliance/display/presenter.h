@@ -60,8 +60,8 @@ class Presenter {
   Status go_on_with(PresenterState showing);
   /// Moves the state out for the next presenter. Afterwards this presenter may only be destroyed.
   [[nodiscard]] PresenterState take_state() {
-    return {std::move(frame_),      std::move(waiting_),   heading_, headings_, fade_,
-            patterns_->take_wall(), captions_->take(),     heads_->newest_plans()};
+    return {std::move(frame_), std::move(waiting_),   heading_, headings_, fade_, patterns_->take_wall(),
+            captions_->take(), heads_->newest_plans()};
   }
 
   /// Waits for a refresh and shows the newest due frame for the newest due heading (synchronised_refresh.h). Errors:

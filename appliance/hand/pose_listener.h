@@ -18,8 +18,8 @@ namespace cyclorama::hand {
 /// and captions.
 struct ReceivedPoses {
   std::vector<tracker::PoseReport> poses;
-  std::optional<std::array<double, 3>> steer;  ///< The newest command: forward, right, turn.
-  std::optional<tracker::OscStop> stop;        ///< The newest request for a stop.
+  std::optional<std::array<double, 3>> steer;    ///< The newest command: forward, right, turn.
+  std::optional<tracker::OscStop> stop;          ///< The newest request for a stop.
   std::optional<tracker::OscCaptions> captions;  ///< The newest request for languages on the wall.
 };
 

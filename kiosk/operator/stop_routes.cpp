@@ -107,7 +107,7 @@ Result<StopOrder> parse_stop_order(const std::string& text) {
   } else if (wanted == "fetch") {
     order.kind = StopOrder::Kind::kFetch;
   } else {
-    return Error(ErrorCode::kBadData, 
+    return Error(ErrorCode::kBadData,
                  "'do' must be next, previous, stop-here, undo, fetch, go with a 'name', or captions with 'languages'");
   }
   return order;

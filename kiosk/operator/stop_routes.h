@@ -22,7 +22,7 @@ namespace cyclorama::operations {
 struct StopOrder {
   enum class Kind { kGo, kAdd, kUndo, kFetch, kCaptions };
   Kind kind = Kind::kGo;
-  wire::GoToStopRequest go;            ///< For kGo.
+  wire::GoToStopRequest go;           ///< For kGo.
   wire::SetCaptionsRequest captions;  ///< For kCaptions.
 };
 

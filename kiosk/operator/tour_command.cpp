@@ -137,7 +137,8 @@ Status TourCommand::dim() const {
 Status TourCommand::write() const {
   wire::SetCaptionsRequest request;
   request.set_next(captions.front() == "next");
-  if (!request.next() && captions.front() != "none") request.mutable_languages()->Assign(captions.begin(), captions.end());
+  if (!request.next() && captions.front() != "none")
+    request.mutable_languages()->Assign(captions.begin(), captions.end());
   TRY_ASSIGN(const wire::SetCaptionsReply reply,
              (call_tour<wire::SetCaptionsReply>(tour, "choosing captions", request, &wire::Tour::Stub::SetCaptions)));
   fmt::print("{}\n", reply.languages_size() == 0

@@ -44,8 +44,11 @@ class CardDrawing {
 
   /// Draws the edges of a panel in the middle of the sheet, to be cut.
   void draw_panel() {
-    cut({{-half_panel_, -half_height_}, {half_panel_, -half_height_}, {half_panel_, half_height_},
-         {-half_panel_, half_height_}, {-half_panel_, -half_height_}});
+    cut({{-half_panel_, -half_height_},
+         {half_panel_, -half_height_},
+         {half_panel_, half_height_},
+         {-half_panel_, half_height_},
+         {-half_panel_, -half_height_}});
   }
 
   void draw_lines() {

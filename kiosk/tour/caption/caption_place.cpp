@@ -15,7 +15,7 @@ constexpr double kMaxShareOfWidth = 0.9;
 constexpr double kMaxShareOfHeight = 0.6;
 constexpr double kLinePerLetter = 1.65;  ///< Distance of two lines in relation to a capital letter's height.
 constexpr int kMaxLines = 6;
-constexpr double kMaxLarger = 4.0;  ///< At most as much larger than demanded, however coarse a head is.
+constexpr double kMaxLarger = 4.0;  ///< At most as much larger than demanded, however coarse pixels are.
 
 /// The wall's extent in the units of wire::Caption; empty for a dome.
 struct Extent {
@@ -47,7 +47,7 @@ double letters_on_wall(const CaptionStyle& style, const CaptionWall& wall) {
 }
 
 double px_per_unit(const CaptionStyle& style, const CaptionWall& wall) {
-  // Pictures have limits, whatever the heads' pixels.
+  // Pictures have limits, whatever the projectors' pixels.
   constexpr double kMaxLettersPx = 200.0;
   return std::min(wall.max_px_per_rad, kMaxLettersPx / letters_on_wall(style, wall));
 }
@@ -66,9 +66,10 @@ CaptionSize caption_size(const CaptionStyle& style, const CaptionWall& wall, std
   }
   CaptionSize size;
   size.letters_px = std::max(4, static_cast<int>(std::lround(letters * per_unit)));
-  size.width_px = std::clamp(static_cast<int>(width * per_unit), 10 * size.letters_px,
-                             kMaxCaptionWidthPx - 4 * size.letters_px);
-  size.lines = std::clamp(static_cast<int>(lines / static_cast<double>(std::max<std::size_t>(languages, 1))), 1, kMaxLines);
+  size.width_px =
+      std::clamp(static_cast<int>(width * per_unit), 10 * size.letters_px, kMaxCaptionWidthPx - 4 * size.letters_px);
+  size.lines =
+      std::clamp(static_cast<int>(lines / static_cast<double>(std::max<std::size_t>(languages, 1))), 1, kMaxLines);
   return size;
 }
 

@@ -23,7 +23,7 @@ CaptionMoment caption_at(const CaptionScript& script, TimePoint now) {
     for (const Cue& cue : part.cues) {
       changes_at(cue.begin);
       changes_at(cue.end);
-      if (cue.begin <= time && time < cue.end) spoken = &cue;  // Of two at once, the later one.
+      if (cue.begin <= time && time < cue.end) spoken = &cue;  // The later one, where two overlap.
     }
     const auto ends_later = [time](const Cue& cue) { return time < cue.end; };
     const bool is_narrated =

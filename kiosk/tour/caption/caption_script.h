@@ -10,7 +10,7 @@
 
 namespace cyclorama::tour {
 
-/// What is written at a stop, from the visitor's arrival on. A value.
+/// Texts and captions of a stop, from the visitor's arrival on. A value.
 struct CaptionScript {
   struct Part {
     std::string language;
@@ -25,11 +25,11 @@ struct CaptionScript {
   CaptionWall wall;
 };
 
-/// What is written at one time, and when that changes.
+/// The texts that are written at one time.
 struct CaptionMoment {
-  std::vector<CaptionText> texts;   ///< One for each part.
-  TimePoint began_at{};             ///< Since when these are written.
-  std::optional<TimePoint> until;  ///< Nothing: they stay.
+  std::vector<CaptionText> texts;  ///< One for each part.
+  TimePoint began_at{};            ///< Time from which these are written.
+  std::optional<TimePoint> until;  ///< Time at which they change; nothing: they stay.
 };
 
 /// Returns what is written at `now`: while a part has a caption, that; between the first and the last of its captions

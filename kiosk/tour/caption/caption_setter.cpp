@@ -29,9 +29,9 @@ struct Unref {
 };
 template <typename T>
 using Owned = std::unique_ptr<T, Unref>;
-using Description = std::unique_ptr<PangoFontDescription, decltype([](PangoFontDescription* description) {
-                                      pango_font_description_free(description);
-                                    })>;
+using Description =
+    std::unique_ptr<PangoFontDescription,
+                    decltype([](PangoFontDescription* description) { pango_font_description_free(description); })>;
 using Iterator =
     std::unique_ptr<PangoLayoutIter, decltype([](PangoLayoutIter* iterator) { pango_layout_iter_free(iterator); })>;
 using FontConfig = std::unique_ptr<FcConfig, decltype([](FcConfig* config) { FcConfigDestroy(config); })>;
@@ -92,7 +92,8 @@ Owned<PangoLayout> laid_out(PangoContext* context, const CaptionText& text, cons
   pango_layout_set_text(layout.get(), all.data(), static_cast<int>(all.size()));
   PangoAttrList* const attributes = pango_attr_list_new();
   pango_attr_list_insert(attributes, pango_attr_language_new(pango_language_from_string(text.language.c_str())));
-  for (PangoAttribute* const of_title : {pango_attr_weight_new(PANGO_WEIGHT_BOLD), pango_attr_scale_new(kTitleLarger)}) {
+  for (PangoAttribute* const of_title :
+       {pango_attr_weight_new(PANGO_WEIGHT_BOLD), pango_attr_scale_new(kTitleLarger)}) {
     of_title->start_index = 0;
     of_title->end_index = static_cast<guint>(text.title.size());
     pango_attr_list_insert(attributes, of_title);
@@ -164,8 +165,8 @@ Result<CaptionSetter> CaptionSetter::open() {
   std::size_t count = 0;
   fonts->config = installed_fonts(&count);
   if (count == 0) {
-    return Error(ErrorCode::kNotFound, fmt::format("no font is in {}; install fonts-dejavu-core and fonts-droid-fallback",
-                                                   kFontFolder));
+    return Error(ErrorCode::kNotFound,
+                 fmt::format("no font is in {}; install fonts-dejavu-core and fonts-droid-fallback", kFontFolder));
   }
   fonts->map.reset(pango_ft2_font_map_new());
   pango_fc_font_map_set_config(PANGO_FC_FONT_MAP(fonts->map.get()), fonts->config.get());
@@ -182,10 +183,11 @@ Result<std::vector<CaptionPage>> CaptionSetter::set(const std::vector<CaptionTex
     if (text.title.empty() && text.text.empty()) continue;
     Owned<PangoLayout> layout = laid_out(context.get(), text, size);
     if (const int unknown = pango_layout_get_unknown_glyphs_count(layout.get()); unknown > 0) {
-      return Error(ErrorCode::kNotFound,
-                   fmt::format("no installed font has {} of the letters of a text in '{}'; install one, such as Debian's "
-                               "fonts-noto-core or fonts-noto-cjk",
-                               unknown, printable(text.language)));
+      return Error(
+          ErrorCode::kNotFound,
+          fmt::format("no installed font has {} of the letters of a text in '{}'; install one, such as Debian's "
+                      "fonts-noto-core or fonts-noto-cjk",
+                      unknown, printable(text.language)));
     }
     width = std::max(width, width_of(layout.get()));
     blocks.push_back({std::move(layout), {}});

@@ -10,7 +10,7 @@
 
 namespace cyclorama::tour {
 
-/// What is written in one language: a title in bold, or none, and a text.
+/// A text in one language, below a title in bold or none.
 struct CaptionText {
   std::string language;  ///< Its tag chooses between the shapes that languages give to one letter.
   std::string title;
@@ -21,8 +21,8 @@ struct CaptionText {
 
 struct CaptionSize {
   int letters_px = 16;  ///< Height of a capital letter; 4 to 400.
-  int width_px = 600;   ///< Of the lines, at most; at least 10 letters' heights.
-  int lines = 4;        ///< On a page for one language, at most; at least 1.
+  int width_px = 600;   ///< Width of the lines, at most; at least 10 letters' heights.
+  int lines = 4;        ///< Lines on a page for one language, at most; at least 1.
   friend bool operator==(const CaptionSize&, const CaptionSize&) = default;
 };
 

@@ -40,7 +40,8 @@ void CaptionWriter::run() {
   std::optional<CaptionScript> script;
   std::optional<std::vector<CaptionText>> texts;  // Those that `pages` were set from.
   std::vector<CaptionPage> pages;
-  std::optional<std::size_t> written;  // Number of the page on the wall.
+  constexpr std::size_t kNone = ~std::size_t{0};
+  std::size_t written = kNone;  // Number of the page on the wall.
   std::unique_lock lock(mutex_);
   while (!is_stopping_) {
     if (std::exchange(is_new_, false)) {
@@ -62,7 +63,7 @@ void CaptionWriter::run() {
         if (!set) trouble = set.error().message();
         pages = set ? *std::move(set) : std::vector<CaptionPage>();
         texts = std::move(moment.texts);
-        written.reset();
+        written = kNone;
       }
       if (pages.empty()) {
         clear();

@@ -74,11 +74,11 @@ struct PlannedStop {
   std::map<std::string, std::vector<Cue>> captions{};
 };
 
-/// How a tour writes on the wall. Angles are seen from the sweet spot.
+/// The way in which a tour writes on the wall. Angles are seen from the sweet spot.
 struct CaptionStyle {
   std::vector<std::string> shown;  ///< Languages at first; at most kMaxShownLanguages.
   double letters_rad = 0.0;        ///< Height of a capital letter.
-  double width_rad = 0.0;          ///< Of the lines, at most.
+  double width_rad = 0.0;          ///< Width of the lines, at most.
   double azimuth_rad = 0.0;        ///< Direction of the middle.
   std::optional<double> elevation_rad;
 };

@@ -61,7 +61,8 @@ std::optional<Duration> parse_time(std::string_view text) {
   whole = whole.substr(0, seconds_at);
   const std::size_t minutes_at = whole.rfind(':');
   const auto minutes = digits(minutes_at == whole.npos ? whole : whole.substr(minutes_at + 1), 2, 2);
-  const auto hours = minutes_at == whole.npos ? std::optional(0) : digits(whole.substr(0, minutes_at), 2, kMaxHourDigits);
+  const auto hours =
+      minutes_at == whole.npos ? std::optional(0) : digits(whole.substr(0, minutes_at), 2, kMaxHourDigits);
   if (!seconds || !minutes || !hours || *seconds >= kSixty || *minutes >= kSixty) return std::nullopt;
   return std::chrono::hours(*hours) + std::chrono::minutes(*minutes) + std::chrono::seconds(*seconds) +
          std::chrono::milliseconds(*thousandths);
@@ -127,7 +128,8 @@ class CueReader {
   }
   [[nodiscard]] bool begins_with_word(std::string_view word) const {
     const std::string_view line = lines_.line();
-    return line.starts_with(word) && (line.size() == word.size() || line[word.size()] == ' ' || line[word.size()] == '\t');
+    return line.starts_with(word) &&
+           (line.size() == word.size() || line[word.size()] == ' ' || line[word.size()] == '\t');
   }
 
   Status read_block() {
@@ -137,8 +139,7 @@ class CueReader {
     }
     if (!has_arrow()) {
       lines_.next();  // The caption's name.
-      if (!has_arrow())
-        return wrong("a caption needs a line with its times, such as 00:01.000 --> 00:04.000");
+      if (!has_arrow()) return wrong("a caption needs a line with its times, such as 00:01.000 --> 00:04.000");
     }
     TRY_ASSIGN(Cue cue, read_times());
     return read_text(std::move(cue));
@@ -172,8 +173,8 @@ class CueReader {
     cue.text = without_markup(raw);
     if (const std::size_t count = character_count(cue.text); count > kMaxCueCharacters)
       return Error(ErrorCode::kBadData,
-                   fmt::format("{}:{}: the caption has {} letters; at most {} are allowed, so make several of it", name_,
-                               number, count, kMaxCueCharacters));
+                   fmt::format("{}:{}: the caption has {} letters; at most {} are allowed, so make several of it",
+                               name_, number, count, kMaxCueCharacters));
     if (!trimmed(cue.text).empty()) cues_.push_back(std::move(cue));
     return Done{};
   }

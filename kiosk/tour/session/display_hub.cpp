@@ -10,7 +10,7 @@
 
 namespace cyclorama::tour {
 Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string name, const Projection& wanted,
-                        const HeadDensity& density) {
+                        const PixelDensity& density) {
   const std::lock_guard lock(mutex_);
   if (closed_) return *closed_;
   if (members_.size() >= kMaxDisplays)
@@ -76,13 +76,14 @@ std::optional<Projection> DisplayHub::wanted() const {
   return all;
 }
 
-HeadDensity DisplayHub::density() const {
+PixelDensity DisplayHub::density() const {
   const std::lock_guard lock(mutex_);
-  HeadDensity all;
+  PixelDensity all;
   for (const Member& member : members_) {
-    const HeadDensity& one = member.density;
+    const PixelDensity& one = member.density;
     if (one.min_px_per_rad <= 0.0) continue;
-    all.min_px_per_rad = all.min_px_per_rad <= 0.0 ? one.min_px_per_rad : std::min(all.min_px_per_rad, one.min_px_per_rad);
+    all.min_px_per_rad =
+        all.min_px_per_rad <= 0.0 ? one.min_px_per_rad : std::min(all.min_px_per_rad, one.min_px_per_rad);
     all.max_px_per_rad = std::max(all.max_px_per_rad, one.max_px_per_rad);
   }
   return all;

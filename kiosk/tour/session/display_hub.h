@@ -31,8 +31,8 @@ class DisplayLink {
   DisplayLink& operator=(const DisplayLink&) = default;
 };
 
-/// Pixels of a display's heads for each radian of the wall; 0: unknown.
-struct HeadDensity {
+/// Pixels of a display's projectors for each radian of the wall; 0: unknown.
+struct PixelDensity {
   double min_px_per_rad = 0.0;
   double max_px_per_rad = 0.0;
 };
@@ -46,7 +46,8 @@ class DisplayHub {
   /// written on the wall. Errors: kBusy if
   /// kMaxDisplays have joined; kUnavailable if close() was called; kInvalidArgument if its wall needs another kind of
   /// picture, or a picture for other eyes, than the displays that have joined.
-  Status join(const std::shared_ptr<DisplayLink>& link, std::string name, const Projection& wanted, const HeadDensity& density = {});
+  Status join(const std::shared_ptr<DisplayLink>& link, std::string name, const Projection& wanted,
+              const PixelDensity& density = {});
   /// Idempotent.
   void leave(const DisplayLink* link);
 
@@ -57,8 +58,8 @@ class DisplayHub {
   std::size_t send(const SharedShowMessage& message);
   /// Returns the projection that covers all displays; nothing without displays.
   [[nodiscard]] std::optional<Projection> wanted() const;
-  /// Returns the coarsest and the finest of all heads whose density is known.
-  [[nodiscard]] HeadDensity density() const;
+  /// Returns the coarsest and the finest of all projectors whose density is known.
+  [[nodiscard]] PixelDensity density() const;
   [[nodiscard]] std::size_t count() const;
   /// Ends all streams, and refuses later ones.
   void close(const Error& reason);
@@ -68,7 +69,7 @@ class DisplayHub {
     std::shared_ptr<DisplayLink> link;
     std::string name;
     Projection wanted;
-    HeadDensity density;
+    PixelDensity density;
   };
   mutable std::mutex mutex_;  ///< Guards the following.
   std::vector<Member> members_;

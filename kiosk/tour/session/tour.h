@@ -205,17 +205,17 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   bool are_pictures_told_ = false;    ///< `pictures_` has the present stops and wanted_.
   bool is_fetch_requested_ = false;
   LampFade lamps_;
-  std::optional<std::size_t> lamps_of_stop_;  ///< Stop whose lamps were set last.
-  std::optional<std::size_t> kept_shown_;     ///< Stop whose kept picture the displays show.
-  std::unique_ptr<StopPictures> pictures_;    ///< Null: no folder is set.
-  std::vector<std::filesystem::file_time_type> caption_times_;  ///< Of the files that the newest tour names.
-  TourPlan newest_plan_;                     ///< Names these files; empty unless plan_text_ could be read.
+  std::optional<std::size_t> lamps_of_stop_;                    ///< Stop whose lamps were set last.
+  std::optional<std::size_t> kept_shown_;                       ///< Stop whose kept picture the displays show.
+  std::unique_ptr<StopPictures> pictures_;                      ///< Null: no folder is set.
+  std::vector<std::filesystem::file_time_type> caption_times_;  ///< Times of the files that the newest tour names.
+  TourPlan newest_plan_;                        ///< Names these files; empty unless plan_text_ could be read.
   std::vector<std::string> caption_languages_;  ///< Those that are written.
   /// Stop where the visitor has arrived and not left, and when that was.
   std::optional<std::pair<std::size_t, TimePoint>> captions_of_stop_;
   std::optional<CaptionWall> caption_wall_;  ///< Nothing before the first display.
-  bool are_captions_told_ = true;         ///< `captions_` has the present script.
-  std::optional<TimePoint> back_seen_at_;  ///< When the wand's back was seen last.
+  bool are_captions_told_ = true;            ///< `captions_` has the present script.
+  std::optional<TimePoint> back_seen_at_;    ///< Last time at which the wand's back was seen.
   CaptionWriter captions_;
 
   std::unique_ptr<client::FarmClient> farm_;

@@ -72,7 +72,8 @@ void Tour::tend_captions(TimePoint now) {
     are_captions_told_ = false;
   }
   // The next visitor reads what the curator has chosen.
-  const bool is_unattended = walk_.navigation.steering_source == SteeringSource::kGuide && !walk_.navigation.guide.is_led;
+  const bool is_unattended =
+      walk_.navigation.steering_source == SteeringSource::kGuide && !walk_.navigation.guide.is_led;
   if (is_unattended && caption_languages_ != plan_->captions->shown) {
     caption_languages_ = plan_->captions->shown;
     are_captions_told_ = false;
@@ -85,8 +86,8 @@ void Tour::show_captions() {
   if (!plan_ || !plan_->captions) return;
   std::optional<CaptionWall> wall = caption_wall_;
   if (const auto wanted = hub_.wanted()) {
-    // Of a display that does not tell, the picture that it requests is about as fine as its heads.
-    const HeadDensity density = hub_.density();
+    // The picture that a display requests is about as fine as its projectors.
+    const PixelDensity density = hub_.density();
     const double otherwise = std::max(1.0, pixel_scale(wanted->shape).u_per_across);
     const bool is_known = density.min_px_per_rad > 0.0;
     wall = CaptionWall{wanted->shape, is_known ? density.min_px_per_rad : otherwise,

@@ -23,8 +23,8 @@ SharedShowMessage stamped(const wire::ClockReply& answer) {
   return message;
 }
 
-/// Returns nothing known for numbers that no head has.
-HeadDensity density_of(const wire::DisplayHello& hello) {
+/// Returns nothing known for numbers that no projector has.
+PixelDensity density_of(const wire::DisplayHello& hello) {
   constexpr double kMax = 1e5;
   const double min = hello.min_px_per_rad();
   const double max = hello.max_px_per_rad();

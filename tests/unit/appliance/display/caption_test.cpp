@@ -49,9 +49,9 @@ TEST(Caption, is_refused_unless_its_pixels_and_its_place_are_possible) {
 TEST(Caption, lies_in_the_picture_where_its_direction_is) {
   Caption caption{GreyImage(40, 20), 0.3, 0.2, 0.4, 0.2};
   const Eigen::Vector3d middle(std::sin(0.3), std::tan(0.2), -std::cos(0.3));
-  for (const PictureShape& shape : {PictureShape(Panorama{100, 50, 3.0, 1.0, -1.0}),
-                                    PictureShape(Perspective{100, 50, -1.0, 1.0, 1.0, -1.0, 0.1}),
-                                    PictureShape(Fisheye{100, 100, 3.2, 0.6})}) {
+  for (const PictureShape& shape :
+       {PictureShape(Panorama{100, 50, 3.0, 1.0, -1.0}), PictureShape(Perspective{100, 50, -1.0, 1.0, 1.0, -1.0, 0.1}),
+        PictureShape(Fisheye{100, 100, 3.2, 0.6})}) {
     const auto place = place_of(shape, middle);
     ASSERT_TRUE(place);
     const bool is_dome = std::holds_alternative<Fisheye>(shape);
@@ -69,11 +69,13 @@ class CaptionOnHeads : public testing::Test {
  protected:
   void start(std::vector<HeadPlan> plans, std::uint8_t code) {
     std::vector<output::HeadMode> modes;
-    for (std::size_t i = 0; i < plans.size(); ++i) modes.push_back({std::string(1, static_cast<char>('a' + i)), kWidth, kHeight});
+    for (std::size_t i = 0; i < plans.size(); ++i)
+      modes.push_back({std::string(1, static_cast<char>('a' + i)), kWidth, kHeight});
     mailbox_ = std::make_unique<PresentMailbox>(plans.size());
     output_ = *output::open_headless_output({modes, 1000.0, {}, {}}, clock_);
     const AttractTimes times{std::chrono::hours(1), std::chrono::milliseconds(200)};
-    auto presenter = Presenter::make(output_.get(), plans, *frame_of(0, plain(32, 16, 0)), times, mailbox_.get(), &clock_);
+    auto presenter =
+        Presenter::make(output_.get(), plans, *frame_of(0, plain(32, 16, 0)), times, mailbox_.get(), &clock_);
     ASSERT_TRUE(presenter) << presenter.error().message();
     presenter_ = *std::move(presenter);
     mailbox_->frames.put(frame_of(1, plain(64, 32, code)));
@@ -120,15 +122,15 @@ class CaptionOnHeads : public testing::Test {
 };
 
 TEST_F(CaptionOnHeads, has_a_contrast_of_seven_to_one_on_any_picture) {
-  for (const std::uint8_t code : {0, 60, 128, 200, 255}) {
-    start({plain_head(kWidth, kHeight)}, code);
+  for (const int code : {0, 60, 128, 200, 255}) {
+    start({plain_head(kWidth, kHeight)}, static_cast<std::uint8_t>(code));
     write();
     EXPECT_TRUE(refresh(60).has_caption);
     const RgbImage picture = shown();
     // Pixels in the middle of the letters, and of the plate beside them: the plate spans pixels 60 to 140.
     const double letters = luminance(picture, 80, 100);
     const double plate = luminance(picture, 120, 100);
-    EXPECT_GE((letters + 0.05) / (plate + 0.05), 7.0) << int{code};
+    EXPECT_GE((letters + 0.05) / (plate + 0.05), 7.0) << code;
     EXPECT_NEAR(picture.at(20, 100)[1], code, 1) << "beside the plate nothing changes";
     EXPECT_NEAR(picture.at(100, 50)[1], code, 1);
     presenter_.reset();
@@ -174,8 +176,8 @@ TEST_F(CaptionOnHeads, is_blended_where_two_projectors_overlap) {
   const RgbImage a = shown(0);
   const RgbImage b = shown(1);
   EXPECT_NEAR(luminance(a, 80, 100) + luminance(b, 80, 100), kInkLight, 0.02);
-  EXPECT_NEAR(luminance(a, 120, 100) + luminance(b, 120, 100), kPlateLeaves * std::pow((200 / 255.0 + 0.055) / 1.055, 2.4),
-              0.01);
+  EXPECT_NEAR(luminance(a, 120, 100) + luminance(b, 120, 100),
+              kPlateLeaves * std::pow((200 / 255.0 + 0.055) / 1.055, 2.4), 0.01);
 }
 
 TEST_F(CaptionOnHeads, is_not_drawn_on_heads_beside_it) {

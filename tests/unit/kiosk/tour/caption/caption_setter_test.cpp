@@ -62,8 +62,9 @@ TEST_F(CaptionSetterTest, draws_capital_letters_of_the_requested_height) {
 }
 
 TEST_F(CaptionSetterTest, sets_latin_arabic_chinese_and_hebrew_letters) {
-  for (const CaptionText& text : {CaptionText{"en", "", "Clay on sandstone"}, CaptionText{"ar", "", "الطين على الحجر الرملي"},
-                                  CaptionText{"zh-Hant", "", "佛陀右脅而臥"}, CaptionText{"he", "", "חימר על אבן חול"}}) {
+  for (const CaptionText& text :
+       {CaptionText{"en", "", "Clay on sandstone"}, CaptionText{"ar", "", "الطين على الحجر الرملي"},
+        CaptionText{"zh-Hant", "", "佛陀右脅而臥"}, CaptionText{"he", "", "חימר על אבן חול"}}) {
     const auto pages = set({text});
     ASSERT_EQ(pages.size(), 1u) << text.language;
     EXPECT_GT(inked_pixels(pages[0].ink), 200) << text.language;

@@ -17,7 +17,8 @@ std::string refused(const std::string& text) {
 
 TEST(Webvtt, gives_each_caption_its_time_and_its_plain_text) {
   const auto cues = parse_webvtt(
-      "\xEF\xBB\xBFWEBVTT - The cave\r\nKind: captions\r\n\r\nNOTE by the curator\r\n\r\nSTYLE\r\n::cue { color: red }\r\n\r\n"
+      "\xEF\xBB\xBFWEBVTT - The cave\r\nKind: captions\r\n\r\nNOTE by the curator\r\n\r\nSTYLE\r\n::cue { color: red "
+      "}\r\n\r\n"
       "1\r\n00:01.500 --> 00:04.000 line:90% align:start\r\n<v Ann>Clay &amp; <i>sand</i>\r\n  in layers\r\n\r\n"
       "00:01:00.000 --> 00:01:02.250\r\n第158窟\r\n\r\n01:05.000 --> 01:06.000\r\n",
       "a.vtt");

@@ -54,8 +54,8 @@ class TourCaptions : public testing::Test {
   }
   static bool is_written(const wire::Caption& caption) { return caption.width_px() > 0; }
 
-  const fs::path folder = fs::temp_directory_path() /
-                          (std::string("tour_captions_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  const fs::path folder = fs::temp_directory_path() / (std::string("tour_captions_") +
+                                                       testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
 TEST_F(TourCaptions, are_written_where_the_visitor_arrives_and_cleared_where_there_are_none) {

@@ -28,10 +28,10 @@ std::string list_of(const std::vector<std::string>& words) {
 }
 
 void add_style(std::string* text, const CaptionStyle& style) {
-  add(text, "[captions]\nshow = {}\nletters_arcmin = {}\nwidth_deg = {}\nazimuth_deg = {}\n", list_of(style.shown),
-      60.0 * style.letters_rad / kRadiansPerDegree, style.width_rad / kRadiansPerDegree,
+  add(text, "[captions]\nshow = {}\nletters_arcmin = {:.9g}\nwidth_deg = {:.9g}\nazimuth_deg = {:.9g}\n",
+      list_of(style.shown), 60.0 * style.letters_rad / kRadiansPerDegree, style.width_rad / kRadiansPerDegree,
       style.azimuth_rad / kRadiansPerDegree);
-  if (style.elevation_rad) add(text, "elevation_deg = {}\n", *style.elevation_rad / kRadiansPerDegree);
+  if (style.elevation_rad) add(text, "elevation_deg = {:.9g}\n", *style.elevation_rad / kRadiansPerDegree);
 }
 
 }  // namespace

@@ -135,7 +135,8 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   void open(const wire::SceneDescription& scene, TimePoint now);
   /// Applies the tour's file, or the scene's own stops, to the present scene.
   void apply_plan(TimePoint now);
-  [[nodiscard]] Result<TourPlan> plan_of(const std::string& text) const;
+  /// Reads the files of captions, or takes those of `earlier`, a plan that was read from the same text.
+  [[nodiscard]] Result<TourPlan> plan_of(const std::string& text, const TourPlan* earlier) const;
   /// Takes the visitor to a stop. Precondition: can_go_to().
   void go_to(std::size_t stop, TimePoint now);
   void begin_cut();
@@ -199,6 +200,7 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   Site scene_site_;                       ///< The scene without a curator's tour.
   std::optional<std::string> plan_text_;  ///< The tour's file; empty: there is none.
   std::optional<std::string> accepted_text_;  ///< The newest text that was a tour of the scene.
+  TourPlan accepted_;                         ///< The tour that it was.
   std::optional<TourPlan> plan_;              ///< Empty: the stops are the scene's own.
   std::string plan_problem_;
   std::optional<Projection> wanted_;  ///< Picture that the displays needed last.

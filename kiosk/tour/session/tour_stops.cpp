@@ -66,10 +66,12 @@ void Tour::open(const wire::SceneDescription& scene, TimePoint now) {
   if (is_other) begin_cut();
 }
 
-Result<TourPlan> Tour::plan_of(const std::string& text) const {
+Result<TourPlan> Tour::plan_of(const std::string& text, const TourPlan* earlier) const {
   const std::string name = TourFolder(settings_.tour_folder).file().string();
   TRY_ASSIGN(TourPlan plan, parse_tour_plan(text, name, scene_site_.area.get()));
-  TRY(TourFolder(settings_.tour_folder).read_captions(&plan));
+  if (earlier == nullptr) TRY(TourFolder(settings_.tour_folder).read_captions(&plan));
+  for (std::size_t i = 0; earlier != nullptr && i < plan.stops.size(); ++i)
+    plan.stops[i].captions = earlier->stops[i].captions;
   const auto& groups = visit_->scene.lamp_groups();
   for (const PlannedStop& stop : plan.stops) {
     for (const auto& [group, level] : stop.lamps) {
@@ -91,12 +93,14 @@ void Tour::apply_plan(TimePoint now) {
   plan_problem_.clear();
   if (!plan_text_) accepted_text_.reset();
   // The tour of before stays as long as the newest file is wrong.
-  for (const std::optional<std::string>& text : {plan_text_, accepted_text_}) {
+  for (const bool is_earlier : {false, true}) {
+    const std::optional<std::string> text = is_earlier ? accepted_text_ : plan_text_;
     if (!text || plan_) continue;
-    auto plan = plan_of(*text);
+    auto plan = plan_of(*text, is_earlier ? &accepted_ : nullptr);
     if (plan) {
       plan_ = *std::move(plan);
       accepted_text_ = *text;
+      accepted_ = *plan_;
     } else if (plan_problem_.empty()) {
       plan_problem_ = plan.error().message();
     }

@@ -71,12 +71,14 @@ class CaptionOnHeads : public testing::Test {
     std::vector<output::HeadMode> modes;
     for (std::size_t i = 0; i < plans.size(); ++i)
       modes.push_back({std::string(1, static_cast<char>('a' + i)), kWidth, kHeight});
+    presenter_.reset();
+    output_.reset();  // Its context, before there is another.
     mailbox_ = std::make_unique<PresentMailbox>(plans.size());
     output_ = *output::open_headless_output({modes, 1000.0, {}, {}}, clock_);
     const AttractTimes times{std::chrono::hours(1), std::chrono::milliseconds(200)};
     auto presenter =
         Presenter::make(output_.get(), plans, *frame_of(0, plain(32, 16, 0)), times, mailbox_.get(), &clock_);
-    ASSERT_TRUE(presenter) << presenter.error().message();
+    CHECK(presenter);
     presenter_ = *std::move(presenter);
     mailbox_->frames.put(frame_of(1, plain(64, 32, code)));
     refresh(1);

@@ -8,6 +8,7 @@
 #include "appliance/warp/blend_mask.h"
 #include "appliance/warp/head_colour.h"
 #include "appliance/warp/pixel_map.h"
+#include "common/geometry/picture_place.h"
 #include "common/geometry/projection.h"
 #include "common/room/stereo.h"
 
@@ -52,11 +53,16 @@ struct HeadUpload {
   std::size_t wholly_lit = 0;          ///< Number of indices that belong to fully lit triangles.
   PerPixel mask;
   PerPixel map;
+  /// Positions in the picture at the corners of kGridColumns x kGridRows cells of the head, in rows from the top; NaN
+  /// where there is none.
+  std::vector<PicturePlace> grid;
   std::vector<float> response;  ///< kResponseSteps codes of red, then of green, then of blue; empty: sRGB.
 
   /// Number of steps of the response. The nearest step is within a 20th of a code value on an sRGB curve; ./bench.sh
   /// display-trade measures the alternatives.
   static constexpr int kResponseSteps = 4096;
+  static constexpr int kGridColumns = 48;
+  static constexpr int kGridRows = 27;
   static constexpr std::size_t kCornerFloats = 4;
   static constexpr std::size_t kTermFloats = 12;
 };

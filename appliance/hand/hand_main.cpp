@@ -49,7 +49,8 @@ void add_options(CLI::App& app, Options* options) {
       ->type_name("FOLDER")
       ->capture_default_str();
   app.add_option("--osc", options->osc,
-                 "Listen here for /cyclorama/pose, /cyclorama/lost, /cyclorama/steer and /cyclorama/stop")
+                 "Listen here for /cyclorama/pose, /cyclorama/lost, /cyclorama/steer, /cyclorama/stop and "
+                 "/cyclorama/captions")
       ->type_name("HOST:PORT");
   app.add_option("--vrpn", options->vrpn, "Listen here for a VRPN tracker's datagrams")->type_name("HOST:PORT");
   app.add_option("--vrpn-device", options->vrpn_device, "Follow only the VRPN tracker of this name");
@@ -93,14 +94,27 @@ class SteerLink {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + kStopDeadline);
     wire::GoToStopReply reply;
-    const grpc::StatusCode code = stub_->GoToStop(&context, request, &reply).error_code();
-    reached_ = code != grpc::StatusCode::UNAVAILABLE && code != grpc::StatusCode::DEADLINE_EXCEEDED;
+    note(stub_->GoToStop(&context, request, &reply));
+  }
+  /// Requests languages on the wall once; otherwise like go_to().
+  void write(const tracker::OscCaptions& captions) {
+    wire::SetCaptionsRequest request;
+    request.set_next(!captions.languages);
+    if (captions.languages) request.mutable_languages()->Assign(captions.languages->begin(), captions.languages->end());
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + kStopDeadline);
+    wire::SetCaptionsReply reply;
+    note(stub_->SetCaptions(&context, request, &reply));
   }
   [[nodiscard]] bool reached() const { return reached_; }
 
  private:
   explicit SteerLink(std::shared_ptr<grpc::Channel> channel)
       : channel_(std::move(channel)), stub_(wire::Tour::NewStub(channel_)) {}
+  void note(const grpc::Status& status) {
+    const grpc::StatusCode code = status.error_code();
+    reached_ = code != grpc::StatusCode::UNAVAILABLE && code != grpc::StatusCode::DEADLINE_EXCEEDED;
+  }
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<wire::Tour::Stub> stub_;
   input::InputCommand told_;
@@ -164,6 +178,8 @@ Status run(const Options& options, const StopSignal& stop) {
     }
     inputs.update(now);
     if (heard.stop) steer.go_to(*heard.stop);
+    if (heard.captions) steer.write(*heard.captions);
+    if (inputs.take_languages() > 0) steer.write({});
     if (const int steps = inputs.take_steps(); steps != 0) steer.go_to(steps > 0 ? 1 : -1);
     if (inputs.take_help() && !options.help_pressed.empty()) {
       // The display reads only the file's time; the text is for people.

@@ -29,7 +29,14 @@ Json list_json(const wire::StopList& list) {
             {"at", nullptr},
             {"is_led", list.is_led()},
             {"problem", printable(list.problem(), kMaxTextBytes)},
+            {"languages", Json::array()},
+            {"captions", nullptr},
             {"stops", Json::array()}};
+  for (const std::string& language : list.languages()) json["languages"].push_back(printable(language));
+  if (list.has_captions()) {
+    json["captions"] = Json::array();
+    for (const std::string& language : list.caption_languages()) json["captions"].push_back(printable(language));
+  }
   if (list.has_at()) json["at"] = list.at();
   for (const wire::StopSummary& stop : list.stops()) {
     json["stops"].push_back({{"name", printable(stop.name())},
@@ -57,11 +64,25 @@ Result<std::string> carry_out(const std::string& tour, const StopOrder& order) {
     case StopOrder::Kind::kUndo:
       TRY(call_tour<wire::UndoStopReply>(tour, "undoing", wire::UndoStopRequest(), &wire::Tour::Stub::UndoStop));
       return std::string();
+    case StopOrder::Kind::kCaptions:
+      TRY(call_tour<wire::SetCaptionsReply>(tour, "choosing captions", order.captions, &wire::Tour::Stub::SetCaptions));
+      return std::string();
     case StopOrder::Kind::kFetch:
       TRY(call_tour<wire::FetchPicturesReply>(tour, "fetching pictures", wire::FetchPicturesRequest(),
                                               &wire::Tour::Stub::FetchPictures));
   }
   return std::string();
+}
+
+/// Reads a list of languages' tags. Returns false if there is none.
+bool read_languages(const Json& json, wire::SetCaptionsRequest* ret_request) {
+  const auto list = json.find("languages");
+  if (list == json.end() || !list->is_array()) return false;
+  for (const Json& tag : *list) {
+    if (!tag.is_string()) return false;
+    ret_request->add_languages(printable(tag.get<std::string>()));
+  }
+  return true;
 }
 
 }  // namespace
@@ -81,10 +102,13 @@ Result<StopOrder> parse_stop_order(const std::string& text) {
     order.kind = StopOrder::Kind::kAdd;
   } else if (wanted == "undo") {
     order.kind = StopOrder::Kind::kUndo;
+  } else if (wanted == "captions" && read_languages(json, &order.captions)) {
+    order.kind = StopOrder::Kind::kCaptions;
   } else if (wanted == "fetch") {
     order.kind = StopOrder::Kind::kFetch;
   } else {
-    return Error(ErrorCode::kBadData, "'do' must be next, previous, stop-here, undo, fetch, or go with a 'name'");
+    return Error(ErrorCode::kBadData,
+                 "'do' must be next, previous, stop-here, undo, fetch, go with a 'name', or captions with 'languages'");
   }
   return order;
 }

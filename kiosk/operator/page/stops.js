@@ -29,6 +29,24 @@ function line(stop, isHere) {
   return item;
 }
 
+// Fills a list of languages, unless somebody is choosing.
+function fill(id, languages, chosen) {
+  const list = byId(id);
+  if (document.activeElement === list) return;
+  const options = ["", ...languages].map((tag) => {
+    const option = make("option", tag || "–");
+    option.value = tag;
+    return option;
+  });
+  list.replaceChildren(...options);
+  list.value = chosen || "";
+}
+
+function chooseCaptions() {
+  const languages = ["captions-first", "captions-second"].map((id) => byId(id).value).filter((tag) => tag);
+  request({ do: "captions", languages: [...new Set(languages)] }, () => "");
+}
+
 async function showStops() {
   const answer = await fetch("/stops").catch(() => null);
   byId("stops").hidden = !answer || !answer.ok;
@@ -36,12 +54,18 @@ async function showStops() {
   const list = await answer.json();
   byId("stops-title").textContent = list.title ? `Stops: ${list.title}` : "Stops";
   byId("stops-list").replaceChildren(...list.stops.map((stop, i) => line(stop, i === list.at)));
+  byId("captions").hidden = !list.captions;
+  if (list.captions) {
+    fill("captions-first", list.languages, list.captions[0]);
+    fill("captions-second", list.languages, list.captions[1]);
+  }
   if (list.problem) byId("stops-note").textContent = `The newest tour is refused: ${list.problem}`;
 }
 
 byId("stop-previous").addEventListener("click", () => request({ do: "previous" }, () => ""));
 byId("stop-next").addEventListener("click", () => request({ do: "next" }, () => ""));
 byId("stop-here").addEventListener("click", () => request({ do: "stop-here" }, (added) => `Added ${added.name}.`));
+for (const id of ["captions-first", "captions-second"]) byId(id).addEventListener("change", chooseCaptions);
 byId("stop-undo").addEventListener("click", () => request({ do: "undo" }, () => "Undone."));
 
 showStops();

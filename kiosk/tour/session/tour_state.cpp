@@ -40,9 +40,11 @@ std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
     return fmt::format("The farm has not answered a view for {:.0f} s. See the state of the coordinator and its nodes.",
                        to_seconds(now - *asked_at));
   }
-  *ret_healthy = visit_->warning.empty() && plan_problem_.empty();
+  const std::string no_captions = captions_.trouble();
+  *ret_healthy = visit_->warning.empty() && plan_problem_.empty() && no_captions.empty();
   if (!visit_->warning.empty()) return visit_->warning;
   if (!plan_problem_.empty()) return "The tour of before stays: " + plan_problem_;
+  if (!no_captions.empty()) return fmt::format("Nothing can be written on the wall: {}.", no_captions);
   const char* const hint = trackers_.empty() ? " No tracker is connected, so only keys steer." : "";
   const std::string picture =
       log_.refinement().value_or(fmt::format("{:.1f} frames a second", log_.frames_per_second(now)));

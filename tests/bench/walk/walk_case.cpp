@@ -24,6 +24,9 @@ namespace {
 /// A surface at arm's length beside a residual of half an interval of walking; the tour's own rule.
 constexpr double kResidual_m = 0.1;
 constexpr double kNear_m = 1.0;
+/// Makes the truth take all of its samples everywhere. Like a frame it would otherwise take one at edges of low contrast,
+/// which would then move by whole pixels.
+constexpr float kNoError = 1e-6f;
 constexpr int kUsualJpegQuality = 85;  ///< A tour's default.
 /// Area of the torn quads' far sides; what nearer surfaces cover is not taken off.
 double torn_px(const display::DisplayFrame& frame, const Eigen::Vector3d& eye_move) {
@@ -156,7 +159,9 @@ Result<RgbImage> WalkCase::rendered_truth(int refresh) {
   const WalkPose pose = path_.at(refresh);
   RgbImage pixels;
   InverseDepthImage none;
-  render_picture(view_of(pose, whole_, settings_.truth_samples), &pixels, &none);
+  render::PanoramaView view = view_of(pose, whole_, settings_.truth_samples);
+  if (view.quality.stored_light) view.quality.adaptive_error = kNoError;
+  render_picture(view, &pixels, &none);
   TRY(shown_->take(frame_of(pose, whole_, pixels), false));
   return shown_->shown(pose.eye_m, pose.heading_rad, false);
 }
@@ -170,7 +175,7 @@ Status WalkCase::complete_truth() {
       continue;
     }
     const std::filesystem::path kept =
-        settings_.truth_in / fmt::format("{}_{}x{}_{:.3f}_{}_{:03}.rgb", to_text(path_.kind()), settings_.width,
+        settings_.truth_in / fmt::format("{}_{}x{}_{:.3f}_all{}_{:03}.rgb", to_text(path_.kind()), settings_.width,
                                          settings_.height, settings_.span_rad, settings_.truth_samples, refresh);
     RgbImage picture(settings_.width, settings_.height);
     if (const auto bytes = read_file(kept, picture.data().size()); bytes && bytes->size() == picture.data().size()) {
@@ -200,6 +205,24 @@ std::vector<WalkCase::DueFrame> WalkCase::due_frames(const WalkFarm& farm) const
     due.push_back({at_s, std::min(requested, path_.refreshes() - 1)});
   }
   return due;
+}
+
+Result<WalkFigures> WalkCase::measure_anew(int first) {
+  WalkFigures figures;
+  WalkScore score;
+  TRY(complete_truth());
+  for (int refresh = first; refresh < path_.refreshes(); ++refresh) {
+    const WalkPose pose = path_.at(refresh);
+    TRY_ASSIGN(const display::DisplayFrame frame, frame_at(pose, true, &figures));
+    ++figures.frames;
+    TRY(shown_->take(frame, refresh > first));
+    TRY_ASSIGN(RgbImage shown, shown_->shown(pose.eye_m, pose.heading_rad, false));
+    TRY(score.add(std::move(shown), truth_[static_cast<std::size_t>(refresh)], true));
+  }
+  if (score.refreshes() == 0) return Error(ErrorCode::kInvalidArgument, "the walk ends before it is judged");
+  score.write_to(&figures);
+  figures.cpu_s_per_frame /= std::max(1, figures.frames);
+  return figures;
 }
 
 Result<WalkFigures> WalkCase::measure(const WalkFarm& farm, const WalkMethod& method,

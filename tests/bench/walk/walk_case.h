@@ -62,6 +62,9 @@ class WalkCase {
 
   /// `pictures_to`: folder for the worst refresh, beside the truth; empty: none. Errors: GL's; writing pictures.
   Result<WalkFigures> measure(const WalkFarm& farm, const WalkMethod& method, const std::filesystem::path& pictures_to);
+  /// Measures a farm without delay that renders a frame for each refresh, from `first` on: how well frames of this
+  /// quality show motion at all, whatever a display does between them. Errors: those of measure().
+  Result<WalkFigures> measure_anew(int first);
   /// Frames of later measurements; the truth stays.
   void set_frames(const WalkFrames& frames);
   [[nodiscard]] const WalkedPath& path() const { return path_; }

@@ -118,12 +118,14 @@ Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Renderer::~Renderer() = default;
 
 Result<std::unique_ptr<Renderer>> Renderer::build(scene::Scene scene, int threads,
-                                                  const std::function<void(double)>& progress) {
-  return build(std::move(scene), std::make_shared<Crew>(threads), progress);
+                                                  const std::function<void(double)>& progress,
+                                                  std::optional<MemoryMode> mode) {
+  return build(std::move(scene), std::make_shared<Crew>(threads), progress, mode);
 }
 
 Result<std::unique_ptr<Renderer>> Renderer::build(scene::Scene scene, std::shared_ptr<Crew> crew,
-                                                  const std::function<void(double)>& progress) {
+                                                  const std::function<void(double)>& progress,
+                                                  std::optional<MemoryMode> mode) {
   const SteadyClock clock;
   const TimePoint start = clock.now();
   auto state = std::make_unique<State>();
@@ -134,7 +136,7 @@ Result<std::unique_ptr<Renderer>> Renderer::build(scene::Scene scene, std::share
   state->level = highest_surface_level(held);
   state->shade = shade_stage_for(state->level);
   TraceScene& traced = state->traced;
-  TRY_ASSIGN(state->accelerator, Accelerator::build(held, state->crew->threads(), progress, &traced));
+  TRY_ASSIGN(state->accelerator, Accelerator::build(held, state->crew->threads(), progress, mode, &traced));
   traced.ambient = held.ambient;
   traced.eye_lamp = held.eye_lamp;
   state->build_seconds = to_seconds(clock.now() - start);
@@ -298,6 +300,7 @@ Crew& Renderer::crew() const { return *state_->crew; }
 const scene::Scene& Renderer::scene() const { return state_->scene; }
 const LightSet& Renderer::lights() const { return state_->traced.lights; }
 double Renderer::build_seconds() const { return state_->build_seconds; }
+MemoryMode Renderer::memory_mode() const { return state_->accelerator->mode(); }
 std::size_t Renderer::bvh_bytes() const { return state_->accelerator->bytes(); }
 std::size_t Renderer::shading_bytes() const {
   std::size_t bytes = mip_bytes() + lights().bytes();

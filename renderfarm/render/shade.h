@@ -64,7 +64,7 @@ class Shade {
     for (int i = 0; i < count; ++i) {
       // Memory access is the bottleneck, so the data of later rays is prefetched.
       if (i + kAhead < count) prefetch(i + kAhead);
-      if (i + kAhead / 2 < count) prefetch_texcoords(i + kAhead / 2);
+      if (i + kAhead / 2 < count) prefetch_vertices(i + kAhead / 2);
       PathRay& ray = batch_.current().state[static_cast<std::size_t>(i)];
       if (rays_.has_hit(i)) {
         at_hit(i, ray);
@@ -89,17 +89,13 @@ class Shade {
     const RTCHit hit = rays_.hit(i);
     const SurfaceMesh* const mesh = mesh_at(i, hit);
     if (mesh == nullptr) return;
-    __builtin_prefetch(&mesh->records[hit.primID]);
-    __builtin_prefetch(&mesh->triangles[hit.primID]);
+    mesh->prefetch(hit.primID);
   }
-  [[gnu::always_inline]] void prefetch_texcoords(int i) const {
+  [[gnu::always_inline]] void prefetch_vertices(int i) const {
     const RTCHit hit = rays_.hit(i);
     const SurfaceMesh* const mesh = mesh_at(i, hit);
     if (mesh == nullptr) return;
-    for (const std::array<float, 2>* const texcoords : mesh->texcoords) {
-      if (texcoords == nullptr) continue;
-      for (const std::uint32_t corner : mesh->triangles[hit.primID]) __builtin_prefetch(&texcoords[corner]);
-    }
+    mesh->prefetch_vertices(hit.primID);
   }
 
   [[nodiscard]] bool is_lamp(const RTCHit& hit) const {

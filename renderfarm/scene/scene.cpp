@@ -21,6 +21,7 @@
 #include "renderfarm/scene/scene_package.h"
 #include "renderfarm/scene/spz.h"
 
+#include "renderfarm/scene/thin_glass.h"
 namespace cyclorama::scene {
 namespace {
 
@@ -180,6 +181,7 @@ Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const E
 
 Result<Scene> load_package(const std::filesystem::path& path, const ImportLimits& limits,
                            const LoadProgress& progress) {
+  make_plates_thin(&scene.model);
   TRY_ASSIGN(const std::string text, read_text_file(path, kPackageLimitBytes));
   TRY_ASSIGN(ScenePackage package, parse_scene_package(text, path.string(), path.parent_path()));
   Model model;

@@ -84,9 +84,10 @@ void print_traced(const render::Renderer& renderer) {
   fmt::print("aimed at    {} lamps, {} flat lights, {} glowing triangles, {} suns{}; chosen by {}\n",
              lights.lamps().size(), lights.flats().size(), lights.triangles(), lights.suns().size(),
              lights.has_environment() ? ", the environment" : "", lights.chooses_by_tree() ? "a tree" : "a list");
-  fmt::print("memory      {} with the BVH ({}) and what shading reads ({})\n",
+  fmt::print("memory      {} with the BVH ({}) and what shading reads ({}), {}\n",
              render::describe_bytes(renderer.scene().memory_bytes() + renderer.bvh_bytes() + renderer.shading_bytes()),
-             render::describe_bytes(renderer.bvh_bytes()), render::describe_bytes(renderer.shading_bytes()));
+             render::describe_bytes(renderer.bvh_bytes()), render::describe_bytes(renderer.shading_bytes()),
+             render::name_of(renderer.memory_mode()));
 }
 
 /// Prints the properties of the scene's stored light, or why it cannot be used.

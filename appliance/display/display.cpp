@@ -443,11 +443,12 @@ void Display::publish_state() {
                     options_.tour, trouble_->message()),
         false);
   } else if (stream_ == nullptr || !stream_->is_up()) {
-    inspection_.set_state(fmt::format("Dials the tour at {}.", options_.tour), false);
+    inspection_.set_state(fmt::format("Connects to the tour at {}.", options_.tour), false);
   } else {
-    inspection_.set_state(fmt::format("Shows the tour at {}: {:.1f} frames per second{}{}.", options_.tour,
-                                      reporter_.frames_per_second(), step_sentence(), calibration_sentence()),
-                          true);
+    inspection_.set_state(
+        fmt::format("Shows the tour at {}: {:.1f} frames per second.", options_.tour, reporter_.frames_per_second()) +
+            step_sentence() + calibration_sentence(),
+        true);
   }
   const auto skew = tour_clock_.skew();
   if (!skew) return;
@@ -456,12 +457,13 @@ void Display::publish_state() {
 }
 
 std::string Display::calibration_sentence() const {
-  return misfit_ ? fmt::format("; the newest calibration is not used: {}", printable(misfit_->message(), 400)) : "";
+  return misfit_ ? fmt::format(" The newest calibration is not used: {}.", printable(misfit_->message(), 400)) : "";
 }
 
 std::string Display::step_sentence() const {
   const auto share = reporter_.synchronised_share(clock_.now());
-  return share ? fmt::format(", synchronised with the other displays in {:.2f} % of refreshes", 100.0 * *share) : "";
+  return share ? fmt::format(" It is synchronised with the other displays in {:.2f} % of refreshes.", 100.0 * *share)
+               : "";
 }
 
 }  // namespace cyclorama::display

@@ -12,6 +12,7 @@
 #include "appliance/hand/pose_listener.h"
 #include "appliance/tracker/tour_link.h"
 #include "common/base/file.h"
+#include "common/language/marked_texts.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
@@ -194,10 +195,10 @@ Status run(const Options& options, const StopSignal& stop) {
     said_at = now;
     notify.keep_alive(now);
     const auto sentences = inputs.sentences();
-    std::string sentence = sentences.empty() ? "No gamepad, keyboard or 3D mouse is plugged in"
+    std::string sentence = sentences.empty() ? translatable("No gamepad, keyboard or 3D mouse is plugged in")
                                              : fmt::format("{}", fmt::join(sentences, ", "));
     if (hears_poses) sentence += fmt::format("; {} poses heard from other trackers", heard_poses > 0 ? "some" : "no");
-    if (!steer.reached()) sentence += fmt::format("; the tour at {} does not answer", options.tour);
+    if (!steer.reached()) sentence += "; " + fmt::format(translatable("the tour at {} does not answer"), options.tour);
     inspection.set_state(sentence + ".", steer.reached());
     inspection.set_gauge("devices", static_cast<double>(inputs.open_count()));
     inspection.set_gauge("poses_heard", static_cast<double>(heard_poses));

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/text.h"
+#include "common/language/marked_texts.h"
 
 namespace cyclorama::operations {
 namespace {
@@ -203,9 +204,11 @@ class List {
     std::string why;
     for (const std::string& problem : report->problems) why += " " + problem + ".";
     add("settings", "Settings", report->in_use.empty() ? CheckLevel::kFault : CheckLevel::kWarning,
-        fmt::format("The stick of {} was refused, and {}.{}", report->at,
-                    report->in_use.empty() ? "there are no settings in use" : "the settings before it stay in use",
-                    printable(why, 2000)),
+        fmt::format(fmt::runtime(report->in_use.empty()
+                                     ? "The stick of {} was refused, and there are no settings in use."
+                                     : "The stick of {} was refused, and the settings before it stay in use."),
+                    report->at) +
+            printable(why, 2000),
         kRemedy);
   }
 
@@ -220,8 +223,10 @@ class List {
                              : left < kCertificateWarning_days ? CheckLevel::kWarning
                                                                : CheckLevel::kOk;
     add("certificate", "Certificate for the farm", level,
-        left_s < 0.0 ? fmt::format("It expired on {}.", until)
-                     : fmt::format("It is good until {}, {} days.", until, left),
+        left_s < 0.0
+            ? fmt::format("It expired on {}.", until)
+            : fmt::format(fmt::runtime(plural("It is good until {}, {} day.", "It is good until {}, {} days.", left)),
+                          until, left),
         "Ask those who run the farm for a new bundle, put it on a stick with the other settings, and plug it in.");
   }
 
@@ -313,8 +318,11 @@ class List {
                                                 : CheckLevel::kOk;
     std::string sentence = fmt::format("The warmest part has {:.0f} °C.", *warmest);
     if (findings_.machine.slowed_by_heat > 0) {
-      sentence += fmt::format(" Heat has slowed the processor down {} times since the start.",
-                              findings_.machine.slowed_by_heat);
+      const auto times = findings_.machine.slowed_by_heat;
+      sentence += " " + fmt::format(fmt::runtime(plural("Heat has slowed the processor down {} time since the start.",
+                                                        "Heat has slowed the processor down {} times since the start.",
+                                                        static_cast<long long>(times))),
+                                    times);
     }
     add("temperature", "Temperature", level, sentence,
         "Clean the computer's vents, and let air reach it; it slows down or switches itself off when it is too warm.");

@@ -13,6 +13,7 @@
 namespace cyclorama::operations {
 namespace {
 constexpr std::size_t kMaxFileBytes = 256 * 1024;
+constexpr std::size_t kMaxName = 60;
 }
 
 OpeningSchedule schedule_of(const MuseumState& museum, WallTime clock) {
@@ -32,9 +33,9 @@ OpeningSchedule schedule_of(const MuseumState& museum, WallTime clock) {
   if (override && *override && (*override)->holds(now)) {
     schedule.override = *override;
     const absl::Time until = absl::FromChrono((*override)->until);
-    const bool is_today =
+    schedule.is_until_today =
         absl::ToCivilDay(until, hours->zone()) == absl::ToCivilDay(absl::FromChrono(now), hours->zone());
-    schedule.until = absl::FormatTime(is_today ? "%H:%M" : "%a %e %b %H:%M", until, hours->zone());
+    schedule.until = absl::FormatTime(schedule.is_until_today ? "%H:%M" : "%a %e %b %H:%M", until, hours->zone());
   }
   schedule.is_open = is_open(*hours, schedule.override, now);
   return schedule;
@@ -55,6 +56,16 @@ Status set_hours(const MuseumState& museum, const HoursRequest& wanted, WallTime
   // If this fails, the write that follows reports the error.
   std::filesystem::create_directory(museum.hours_override().parent_path(), failed);
   return write_file_atomically(museum.hours_override(), std::string_view(to_text(override)));
+}
+
+std::string name_of(const MuseumState& museum) {
+  auto config = Config::read(museum.site());
+  return config ? printable(config->root().table("farm").text("museum", ""), kMaxName) : "";
+}
+
+std::string language_of(const MuseumState& museum) {
+  const auto settings = care::read_care_settings(museum.care());
+  return settings ? settings->language : "";
 }
 
 std::vector<std::string> farm_of(const MuseumState& museum) {

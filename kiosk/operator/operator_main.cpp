@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/address.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
@@ -126,6 +127,14 @@ Status run(const Options& options, const StopSignal& stop) {
   museum.requests = options.requests.value_or("");
   if (options.keep) museum.recovery_key = std::filesystem::path(*options.keep) / "recovery-key";
   if (access.certificate) museum.fingerprint = access.certificate->fingerprint;
+  std::optional<AlarmService> alarms;
+  if (options.museum && options.keep) {
+    alarms.emplace(
+        AlarmService::Options{museum.support.museum, *options.keep,
+                              [&] { return checks_of(findings_of(watch.observations(), museum.support.museum)); },
+                              [port = parse_address(options.listen)] { return port ? outside_page(port->port) : ""; }});
+    museum.alarms = &*alarms;
+  }
   PageExtras extras;
   if (options.museum) extras.museum = &museum;
   for (const Endpoint& endpoint : endpoints)

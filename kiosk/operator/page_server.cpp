@@ -9,6 +9,7 @@
 #include "kiosk/operator/metrics.h"
 #include "kiosk/operator/page_files.h"
 #include "kiosk/operator/page_gate.h"
+#include "kiosk/operator/page_language.h"
 #include "kiosk/operator/status_json.h"
 #include "kiosk/operator/stop_routes.h"
 
@@ -16,8 +17,8 @@ namespace cyclorama::operations {
 namespace {
 
 void serve_state(httplib::Server& server, Watch* watch) {
-  server.Get("/status", [watch](const httplib::Request&, httplib::Response& response) {
-    response.set_content(status_json(watch->observations()), kJsonType);
+  server.Get("/status", [watch](const httplib::Request& request, httplib::Response& response) {
+    answer_json(request, status_json(watch->observations()), response);
   });
   server.Get("/metrics", [watch](const httplib::Request&, httplib::Response& response) {
     response.set_content(metrics_text(watch->observations()), "text/plain; version=0.0.4");
@@ -54,6 +55,9 @@ Result<std::unique_ptr<PageServer>> PageServer::start(const std::string& address
   const auto routes = [&](httplib::Server& server) {
     guard(server, extras.sessions, login_files(), [museum = extras.museum]() -> std::vector<Check> {
       return museum == nullptr ? std::vector<Check>{} : login_page_checks(museum->support.museum);
+    });
+    serve_languages(server, [museum = extras.museum]() -> std::string {
+      return museum == nullptr ? "" : language_of(museum->support.museum);
     });
     serve_page(server, page_files());
     serve_state(server, watch);

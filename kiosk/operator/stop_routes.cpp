@@ -7,6 +7,7 @@
 
 #include "common/base/text.h"
 #include "common/http/http_server.h"
+#include "kiosk/operator/page_language.h"
 #include "kiosk/operator/status_json.h"
 #include "kiosk/operator/tour_call.h"
 
@@ -114,11 +115,11 @@ Result<StopOrder> parse_stop_order(const std::string& text) {
 }
 
 void serve_stops(httplib::Server& server, const std::string& tour) {
-  server.Get("/stops", [tour](const httplib::Request&, httplib::Response& response) {
+  server.Get("/stops", [tour](const httplib::Request& request, httplib::Response& response) {
     const auto list =
         call_tour<wire::StopList>(tour, "listing the stops", wire::ListStopsRequest(), &wire::Tour::Stub::ListStops);
     if (!list) return answer_error(list.error(), response);
-    response.set_content(dumped(list_json(*list)), kJsonType);
+    answer_json(request, dumped(list_json(*list)), response);
   });
   server.Post("/stops", [tour](const httplib::Request& request, httplib::Response& response) {
     const auto order = parse_stop_order(request.body);

@@ -18,6 +18,7 @@ common/geometry: common/base
 common/http: common/base
 common/image: common/base
 common/json: common/base
+common/language: common/base
 common/opening: common/base common/config
 common/process: common/base
 common/reach: common/base common/json
@@ -29,7 +30,7 @@ common/wire: common/base common/geometry common/image
 drivers/camera: common/base common/config common/image
 drivers/devices: common/base drivers/camera drivers/simulated drivers/turntable
 drivers/input: common/base
-drivers/output: common/base common/edid common/image common/opening common/process common/room common/wire
+drivers/output: common/base common/edid common/image common/language common/opening common/process common/room common/wire
 drivers/simulated: common/base common/config common/geometry common/image common/process common/room common/wand
     common/wire drivers/camera drivers/output drivers/turntable
 drivers/turntable: common/base
@@ -64,8 +65,9 @@ appliance/calibrator: appliance/calibration appliance/healing appliance/scan com
 appliance/camera_calibration: appliance/calibration appliance/solve appliance/structured_light appliance/tags
     common/base common/board common/geometry common/image common/process drivers/devices
 appliance/display: appliance/calibration appliance/interchange appliance/warp common/base common/config
-    common/geometry common/image common/opening common/process common/reach common/room common/wire drivers/output
-appliance/hand: appliance/tracker common/base common/process common/wire drivers/input
+    common/geometry common/image common/language common/opening common/process common/reach common/room common/wire
+    drivers/output
+appliance/hand: appliance/tracker common/base common/language common/process common/wire drivers/input
 appliance/healing: appliance/calibration appliance/scan appliance/solve appliance/structured_light common/base
     common/image common/json common/room common/wire drivers/camera drivers/devices drivers/simulated
 appliance/interchange: appliance/warp common/base common/geometry common/image common/process common/room
@@ -80,11 +82,13 @@ appliance/tracker: appliance/calibration appliance/tags common/base common/confi
     common/process common/room common/wand common/wire drivers/camera drivers/devices
 appliance/warp: common/base common/geometry common/image common/room
 
-kiosk/operator: common/base common/board common/config common/http common/image common/opening common/process
-    common/reach common/wand common/wire kiosk/provision kiosk/tour kiosk/update
+kiosk/care: common/base common/config common/json common/language common/opening
+kiosk/operator: common/base common/board common/config common/http common/image common/language common/opening
+    common/process common/reach common/wand common/wire kiosk/care kiosk/provision kiosk/tour kiosk/update
 kiosk/provision: common/base common/config common/edid common/image common/opening common/process common/room common/wand
-    common/wire kiosk/tour kiosk/update
-kiosk/tour: common/base common/config common/geometry common/image common/json common/process common/wire renderfarm/client
+    common/wire kiosk/care kiosk/tour kiosk/update
+kiosk/tour: common/base common/config common/geometry common/image common/json common/language common/process
+    common/wire renderfarm/client
 kiosk/update: common/base common/config common/opening common/process common/update common/wire kiosk/tour
     renderfarm/client
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { byId, get, make, pause, post } from "./helpers.js";
+import { tr } from "./texts.js";
 
 const pin = byId("pin");
 const note = byId("note");
@@ -25,11 +26,12 @@ byId("form").addEventListener("submit", async (event) => {
       return;
     }
     const why = (await answer.json()).error;
-    note.textContent = why.charAt(0).toUpperCase() + why.slice(1) + (why.endsWith(".") ? "" : ".");
+    note.textContent = why.charAt(0).toUpperCase() + why.slice(1) + (/[.。]$/.test(why) ? "" : ".");
     watchTheDoor();
   } catch {
-    note.textContent =
-      "The operator page does not answer. Check that this phone or computer is on the museum's network.";
+    note.textContent = tr(
+      "The operator page does not answer. Check that this phone or computer is on the museum's network.",
+    );
   }
   button.disabled = false;
   pin.select();

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+/// care.toml and the files of alarms: rejected, or the same after they were written and read again.
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "common/base/check.h"
+#include "kiosk/care/alarm_outbox.h"
+#include "kiosk/care/alarm_registry.h"
+#include "kiosk/care/care_settings.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;  // NOLINT(google-build-using-namespace)
+  if (size == 0) return 0;
+  const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
+  if (data[0] % 3 == 0) {
+    static_cast<void>(care::parse_care_settings(text, "care.toml"));
+  } else if (data[0] % 3 == 1) {
+    care::AlarmRegistry registry;
+    if (!registry.read_json(text, "alarms.json")) return 0;
+    care::AlarmRegistry again;
+    CHECK(again.read_json(registry.to_json(), "alarms.json") && again.to_json() == registry.to_json());
+    registry.update({}, {}, care::WallSeconds());
+  } else {
+    care::AlarmOutbox outbox;
+    if (!outbox.read_json(text, "alarms-waiting.json")) return 0;
+    care::AlarmOutbox again;
+    CHECK(again.read_json(outbox.to_json(), "alarms-waiting.json") && again.to_json() == outbox.to_json());
+  }
+  return 0;
+}

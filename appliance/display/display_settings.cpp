@@ -13,7 +13,8 @@ Duration seconds(double s) { return std::chrono::duration_cast<Duration>(std::ch
 Result<DisplaySettings> read_from(Config config, const std::filesystem::path& folder) {
   ConfigTable root = config.root();
   // These tables belong to the tour, which checks them.
-  for (const char* const others : {"farm", "picture", "tour", "update", "walk"}) static_cast<void>(root.has(others));
+  for (const char* const others : {"farm", "network", "picture", "tour", "update", "walk"})
+    static_cast<void>(root.has(others));
   ConfigTable display = root.table("display");
   DisplaySettings settings;
   const std::string picture = display.text("attract_picture", "");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// toml++ without exceptions and without two faults of its version 3.3, both found by fuzzing: certain invalid text
 /// causes, instead of an error, a failed assertion ("[" at a line's end) or undefined behaviour (a letter such as
-/// U+00E9 in place of a blank reaches __builtin_unreachable()). Included only by config.cpp.
+/// U+00E9 in place of a blank reaches __builtin_unreachable()). Included only by sources of this folder.
 #pragma once
 
 #define TOML_EXCEPTIONS 0

@@ -170,7 +170,7 @@ OpeningHours read_opening_hours(ConfigTable* site, std::string* ret_time_zone) {
 Result<OpeningHours> read_opening_hours(const std::filesystem::path& site) {
   TRY_ASSIGN(Config config, Config::read(site));
   ConfigTable root = config.root();
-  for (const char* const others : {"display", "farm", "picture", "tour", "update", "walk"})
+  for (const char* const others : {"display", "farm", "network", "picture", "tour", "update", "walk"})
     static_cast<void>(root.has(others));
   OpeningHours hours = read_opening_hours(&root);
   TRY(config.finish());

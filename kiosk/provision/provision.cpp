@@ -5,6 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <span>
+#include <system_error>
 
 #include "common/base/file.h"
 #include "kiosk/provision/owner_key.h"
@@ -78,6 +81,26 @@ bool are_the_same(std::vector<CopiedFile> a, std::vector<CopiedFile> b) {
                     [](const CopiedFile& x, const CopiedFile& y) { return x.name == y.name && x.sha256 == y.sha256; });
 }
 
+/// Adds the files in use that an offer leaves as they are.
+Status add_files_in_use(const fs::path& folder, const SettingsStore& store, const FolderLimits& limits,
+                        std::vector<CopiedFile>* files) {
+  for (const CopiedFile& file : store.contents()) {
+    if (find(*files, file.name) != nullptr) continue;
+    TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(store.settings() / file.name, limits.max_file_bytes));
+    std::error_code failed;
+    fs::create_directories((folder / file.name).parent_path(), failed);
+    TRY(write_file_atomically(folder / file.name, std::span<const std::byte>(bytes)));
+    files->push_back(file);
+  }
+  return Done{};
+}
+
+/// Returns whether the file, which an offer brought, is a PIN's hash.
+bool is_hash_of_a_pin(const fs::path& file) {
+  const auto text = read_text_file(file, kMaxTextBytes);
+  return text && is_pin("", *text);
+}
+
 /// Mistakes in the user's files become problems in the report; only failures of this computer are errors.
 bool is_of_this_computer(const Error& error) { return error.code() == ErrorCode::kSystem; }
 
@@ -89,9 +112,16 @@ Status look_at(const ProvisionOrder& order, const fs::path& folder, SettingsStor
     return Done{};
   }
   for (const std::string& name : copied->left_out) report->remarks.push_back(fmt::format("'{}' was left out", name));
-  if (find(copied->files, kPinFile) != nullptr) {
+  if (find(copied->files, kPinFile) != nullptr && !(order.is_over && is_hash_of_a_pin(folder / kPinFile))) {
     report->problems.push_back(
         fmt::format("'{}' is this computer's own; write the PIN into {}", kPinFile, kOperatorFile));
+  }
+  forget(folder, kAnyComputerFile, &copied->files);
+  if (order.is_over) {
+    // Projectors that an offer leaves as they are were accepted before, also without connectors.
+    const bool has_projectors = find(copied->files, "installation.toml") != nullptr;
+    TRY(add_files_in_use(folder, *store, order.limits, &copied->files));
+    if (!has_projectors) TRY(write_file_atomically(folder / kAnyComputerFile, std::string_view()));
   }
   TRY_ASSIGN(StickTrust trust, trust_of({folder, copied->files, order.confirmed}, *store));
   if (order.is_stick && !trust.is_trusted) {
@@ -109,11 +139,12 @@ Status look_at(const ProvisionOrder& order, const fs::path& folder, SettingsStor
   report->farm = verdict.farm;
   report->projectors = verdict.projectors;
   report->certificate_until = verdict.certificate_until;
-  report->has_pin = verdict.pin.has_value();
+  report->has_pin = verdict.pin.has_value() || find(copied->files, kPinFile) != nullptr;
   report->problems.insert(report->problems.end(), verdict.problems.begin(), verdict.problems.end());
   report->remarks.insert(report->remarks.end(), verdict.remarks.begin(), verdict.remarks.end());
   if (!report->problems.empty()) return Done{};
-  for (const char* const name : {kChecksumsFile, kSignatureFile, kOwnerKeyFile}) forget(folder, name, &copied->files);
+  for (const char* const name : {kChecksumsFile, kSignatureFile, kOwnerKeyFile, kAnyComputerFile})
+    forget(folder, name, &copied->files);
   TRY(keep_pin(folder, *store, verdict.pin, &copied->files));
   verdict.secrets.push_back({kPinFile, kPinGroup});
   if (are_the_same(copied->files, store->contents())) {
@@ -122,7 +153,10 @@ Status look_at(const ProvisionOrder& order, const fs::path& folder, SettingsStor
     if (!order.only_check) TRY(store->commit(std::move(copied->files), verdict.secrets));
     report->verdict = ProvisioningVerdict::kInstalled;
   }
-  return order.is_stick && !order.only_check ? keep_owner(trust, *store) : Done{};
+  if (order.only_check) return Done{};
+  // The owner of the PIN has answered for these settings, so the next stick is not the first one.
+  if (order.is_over && !fs::exists(store->owner())) return write_file_atomically(store->owner(), std::string_view());
+  return order.is_stick ? keep_owner(trust, *store) : Done{};
 }
 
 }  // namespace

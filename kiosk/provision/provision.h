@@ -22,6 +22,9 @@ struct ProvisionOrder {
   std::string at;           ///< Time for the report, as time_text() formats it.
   /// True for what anybody can plug in: it must be the first, bear the owner's signature, or be confirmed.
   bool is_stick = false;
+  /// True for what the operator page offers: files of the settings in use that the folder lacks stay, and a PIN may come
+  /// as its hash.
+  bool is_over = false;
   /// Checks the settings in another process instead of this one.
   std::optional<SandboxedCheck> sandbox{};
   std::string confirmed{};  ///< Digest of a stick that the operator confirmed on the page; empty: none.

@@ -36,6 +36,7 @@ struct Options {
   std::optional<std::string> changed;
   bool if_there = false;
   bool is_stick = false;
+  bool is_over = false;
   bool for_any_computer = false;
   std::optional<std::string> confirmed;
   std::optional<std::string> checker;
@@ -72,6 +73,10 @@ void add_options(CLI::App& app, Options* options) {
   CLI::Option* const stick = install.add_flag(
       "--stick", options->is_stick,
       "Anybody can plug the folder in: after the first one, it needs the owner's signature or a confirmation");
+  install
+      .add_flag("--over", options->is_over,
+                "The folder is an offer of the operator page: files of the settings in use that it lacks stay")
+      ->excludes(stick);
   install.add_flag("--for-any-computer", options->for_any_computer,
                    "Projectors need neither a connector nor a serial: for the image's own settings");
   install.add_option("--checker", options->checker,
@@ -138,6 +143,7 @@ Status run(const Options& options, const CLI::App& app) {
   order.only_check = app.got_subcommand("check");
   order.at = at;
   order.is_stick = options.is_stick;
+  order.is_over = options.is_over;
   if (options.checker)
     order.sandbox = SandboxedCheck{{"systemctl", "start", *options.checker}, options.verdict, kCheckGroup};
   if (options.confirmed) order.confirmed = digest_in(*options.confirmed);

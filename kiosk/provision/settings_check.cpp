@@ -11,6 +11,7 @@
 #include "common/config/config.h"
 #include "common/edid/sockets.h"
 #include "common/image/image_file.h"
+#include "common/network/network_settings.h"
 #include "common/opening/opening_hours.h"
 #include "common/room/installation.h"
 #include "common/wand/wand.h"
@@ -29,12 +30,15 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxTextBytes = 1 << 20;
 constexpr const char* kTourGroup = "cyclorama-tour";
 constexpr const char* kOperatorGroup = "cyclorama-operator";
+constexpr const char* kRootGroup = "root";
 constexpr const char* kProjectorsGroup = "cyclorama-projectors";
 
 class MuseumChecker {
  public:
   MuseumChecker(const fs::path& folder, const SettingsCheck& how)
-      : check_(folder, how), for_any_computer_(how.for_any_computer), sockets_(how.sockets) {}
+      : check_(folder, how),
+        for_any_computer_(how.for_any_computer || check_.has(kAnyComputerFile)),
+        sockets_(how.sockets) {}
 
   SettingsVerdict run() {
     check_site();
@@ -67,6 +71,7 @@ class MuseumChecker {
     check_tour(settings->tour_folder);
     const auto update = update::read_update_settings(check_.in("site.toml"));
     if (!update && hours) check_.problem(update.error().message());
+    check_network();
     check_.verdict().museum = settings->museum;
     check_.verdict().farm = settings->coordinators;
     bool is_far = false;
@@ -83,6 +88,21 @@ class MuseumChecker {
       check_.remark(
           "site.toml names no certificate, so the link to the farm is not encrypted, and most farms refuse it; "
           "unpack the museum's bundle of cyclorama-authority beside it and name its files in [farm]");
+    }
+  }
+
+  /// Checks [network], and the files of its login.
+  void check_network() {
+    const auto network = read_network_settings(check_.in("site.toml"));
+    if (!network) return check_.problem(network.error().message());
+    const PortLogin& login = network->login;
+    const std::string where = "site.toml [network.login]";
+    for (const std::string& file : {login.authority, login.certificate}) {
+      if (!file.empty()) check_.is_ours(check_.folder() / file, where);
+    }
+    for (const std::string& secret : {login.password_file, login.key}) {
+      if (!secret.empty() && check_.is_ours_unquoted(check_.folder() / secret, where))
+        check_.keep_secret(check_.folder() / secret, kRootGroup);
     }
   }
 
@@ -190,6 +210,7 @@ class MuseumChecker {
 
   void check_operator() {
     if (!check_.has(kOperatorFile)) {
+      if (check_.has(kPinFile)) return;
       return check_.remark(
           "operator.toml is missing, so the operator page has no PIN and answers on this computer alone");
     }

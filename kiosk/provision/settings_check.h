@@ -13,6 +13,8 @@ namespace cyclorama::provision {
 
 inline constexpr const char* kPinFile = "operator-pin";
 inline constexpr const char* kOperatorFile = "operator.toml";
+/// Lies in a folder that is checked while its projectors are still those of the image, without connectors; never kept.
+inline constexpr const char* kAnyComputerFile = "any-computer";
 
 /// A file that only one service may read.
 struct SecretFile {

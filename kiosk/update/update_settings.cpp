@@ -16,7 +16,8 @@ constexpr const char* kUsualNight = "02:00-05:00";
 Result<UpdateSettings> settings_of(Config config) {
   UpdateSettings settings;
   ConfigTable root = config.root();
-  for (const char* const others : {"display", "farm", "picture", "tour", "walk"}) static_cast<void>(root.has(others));
+  for (const char* const others : {"display", "farm", "network", "picture", "tour", "walk"})
+    static_cast<void>(root.has(others));
   settings.has_opening_hours = root.has("hours");
   std::string zone;
   settings.opening = read_opening_hours(&root, &zone);

@@ -19,6 +19,7 @@ common/http: common/base
 common/image: common/base
 common/json: common/base
 common/language: common/base
+common/network: common/base common/config
 common/opening: common/base common/config
 common/process: common/base
 common/reach: common/base common/json
@@ -83,10 +84,13 @@ appliance/tracker: appliance/calibration appliance/tags common/base common/confi
 appliance/warp: common/base common/geometry common/image common/room
 
 kiosk/care: common/base common/config common/json common/language common/opening
-kiosk/operator: common/base common/board common/config common/http common/image common/language common/opening
-    common/process common/reach common/wand common/wire kiosk/care kiosk/provision kiosk/tour kiosk/update
-kiosk/provision: common/base common/config common/edid common/image common/opening common/process common/room common/wand
-    common/wire kiosk/care kiosk/tour kiosk/update
+kiosk/network: common/base common/network common/process
+kiosk/operator: common/base common/board common/config common/edid common/http common/image common/language
+    common/network common/opening common/process common/reach common/room common/wand common/wire kiosk/care
+    kiosk/network kiosk/provision kiosk/setup kiosk/tour kiosk/update
+kiosk/provision: common/base common/config common/edid common/image common/network common/opening common/process
+    common/room common/wand common/wire kiosk/care kiosk/tour kiosk/update
+kiosk/setup: common/base common/config common/network common/room
 kiosk/tour: common/base common/config common/geometry common/image common/json common/language common/process
     common/wire renderfarm/client
 kiosk/update: common/base common/config common/opening common/process common/update common/wire kiosk/tour

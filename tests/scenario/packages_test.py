@@ -20,10 +20,10 @@ import time
 
 SERVICES = {"farm": ["farm"], "node": ["node"], "museum": ["tour", "tracker", "display", "operator", "projectors", "hand", "calibrator"], "provision": [], "command": [], "tools": []}
 # Services that do one thing on demand and end.
-HELPERS = {"provision": ["check-settings", "provision-esp", "provision@", "settings"]}
+HELPERS = {"museum": ["network", "network-try@"], "provision": ["check-settings", "offer", "provision-esp", "provision@", "settings"]}
 PROGRAMS = {"farm": ["cyclorama-authority", "cyclorama-farm"], "node": ["cyclorama-node"],
             "command": ["cyclorama"],
-            "museum": ["cyclorama-calibrate-camera", "cyclorama-calibrator", "cyclorama-display", "cyclorama-fetch-update", "cyclorama-hand", "cyclorama-health", "cyclorama-operator", "cyclorama-projectors", "cyclorama-tour", "cyclorama-tracker"],
+            "museum": ["cyclorama-calibrate-camera", "cyclorama-calibrator", "cyclorama-display", "cyclorama-fetch-update", "cyclorama-hand", "cyclorama-health", "cyclorama-network", "cyclorama-operator", "cyclorama-projectors", "cyclorama-tour", "cyclorama-tracker"],
             "provision": ["cyclorama-provision"],
             "tools": ["cyclorama-grotto", "cyclorama-render", "cyclorama-simulated-room", "cyclorama-visit", "cyclorama-walkable", "cyclorama-warp"]}
 problems = []

@@ -97,7 +97,7 @@ Result<TourSettings> read_from(Config config, const std::filesystem::path& folde
   TourSettings settings;
   ConfigTable root = config.root();
   // Tables that other programs read.
-  for (const char* const others : {"display", "hours", "update"}) static_cast<void>(root.has(others));
+  for (const char* const others : {"display", "hours", "network", "update"}) static_cast<void>(root.has(others));
   ConfigTable farm = root.table("farm");
   farm.refuse_renamed("heads", "coordinators");
   settings.coordinators = farm.texts("coordinators", settings.coordinators);

@@ -13,6 +13,7 @@
 #include "common/base/file.h"
 #include "common/config/config.h"
 #include "common/config/safe_toml.h"
+#include "common/network/network_settings.h"
 #include "common/room/installation.h"
 #include "common/wand/wand.h"
 #include "drivers/devices/make_camera.h"
@@ -42,7 +43,7 @@ Parser one_after_another(std::vector<Parser> parsers) {
 /// Several programs read site.toml; each of them reads its own tables.
 Parser site_parser() {
   return one_after_another({parser(tour::parse_tour_settings), parser(display::parse_display_settings),
-                            parser(update::parse_update_settings)});
+                            parser(update::parse_update_settings), parser(parse_network_settings)});
 }
 
 /// A parser of lines that describe a device. A device that is not plugged in is not a mistake.

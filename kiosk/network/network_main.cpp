@@ -82,7 +82,7 @@ Status run(const Options& options, const CLI::App& app, const StopSignal& stop) 
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-network",
-                             "Joins the museum's network as [network] in site.toml says, and tries other settings for "
+                             "Joins the museum's network as [network] in site.toml states, and tries other settings for "
                              "a minute.");
   cyclorama::network::Options options;
   cyclorama::network::add_options(program.options(), &options);

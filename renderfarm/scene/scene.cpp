@@ -20,8 +20,8 @@
 #include "renderfarm/scene/found_settings.h"
 #include "renderfarm/scene/scene_package.h"
 #include "renderfarm/scene/spz.h"
-
 #include "renderfarm/scene/thin_glass.h"
+
 namespace cyclorama::scene {
 namespace {
 
@@ -176,12 +176,12 @@ Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const E
     light(package, found, &scene);
   }
   free_lamps(&scene.model);
+  make_plates_thin(&scene.model);
   return scene;
 }
 
 Result<Scene> load_package(const std::filesystem::path& path, const ImportLimits& limits,
                            const LoadProgress& progress) {
-  make_plates_thin(&scene.model);
   TRY_ASSIGN(const std::string text, read_text_file(path, kPackageLimitBytes));
   TRY_ASSIGN(ScenePackage package, parse_scene_package(text, path.string(), path.parent_path()));
   Model model;

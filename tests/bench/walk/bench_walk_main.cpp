@@ -309,6 +309,8 @@ int main(int argc, char** argv) {
                    "As a display on a software renderer filters; with --mesh-cells 2 it is wholly that");
   program.add_option("--mesh-cells", options.pictures.frames.mesh_cells,
                      "Cells of depth between two vertices of the mesh");
+  program.add_flag("--fine-depth", options.pictures.frames.fine_depth,
+                   "The display gets the depth of each pixel and a mesh as fine, which no frame can carry");
   program.add_option("--cost", options.cost_rounds,
                      "Instead: what moving a frame costs, over so many rounds; no scene");
   program.add_option("--refreshes", options.pictures.refreshes, "Length of each walk, at 60 a second");

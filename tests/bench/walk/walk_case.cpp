@@ -80,7 +80,8 @@ void WalkCase::set_frames(const WalkFrames& frames) {
   settings_.frames = frames;
   const auto scaled = [&](int px) { return std::max(16, static_cast<int>(std::lround(frames.scale * px))); };
   picture_ = with_pixels(whole_, scaled(width_px(whole_)), scaled(height_px(whole_)));
-  grid_ = std::make_shared<const display::ReprojectionGrid>(Projection{picture_, {}}, frames.mesh_cells * kDepthCellPx);
+  grid_ = std::make_shared<const display::ReprojectionGrid>(Projection{picture_, {}},
+                                                            frames.fine_depth ? 1 : frames.mesh_cells * kDepthCellPx);
 }
 
 Result<std::unique_ptr<WalkCase>> WalkCase::make(node::BlockRenderer* renderer, const tour::Site& site,
@@ -150,6 +151,13 @@ Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with
     }
     if (sums->frames == 0) sums->depth_share = static_cast<double>(depth_bytes) / static_cast<double>(jpeg_bytes);
     if (quality > 0) frame.picture = std::move(planes);
+  }
+  if (with_mesh && settings_.frames.fine_depth) {
+    // A cell of the larger picture is a pixel of the frame.
+    RgbImage larger;
+    view = view_of(pose, with_pixels(picture_, kDepthCellPx * pixels.width(), kDepthCellPx * pixels.height()), 1);
+    view.depth = true;
+    render_picture(view, &larger, &depth);
   }
   if (with_mesh) frame.mesh = std::make_shared<const display::ReprojectionMesh>(grid_, depth);
   return frame;

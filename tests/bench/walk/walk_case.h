@@ -37,6 +37,8 @@ struct WalkFrames {
   bool stored_light = true;  ///< False: path traced and denoised; the truth reads stored light all the same, if it can.
   int jpeg_quality = 0;      ///< 0: frames reach the display without JPEG.
   int mesh_cells = 1;        ///< A display without a card has 2.
+  /// The display gets the depth of each pixel, and a mesh as fine: more than a frame can carry.
+  bool fine_depth = false;
 };
 
 struct WalkPictures {

@@ -17,7 +17,7 @@ namespace {
 /// A scene with its BVH, for tracing individual rays.
 struct Traced {
   explicit Traced(scene::Scene s) : scene(std::move(s)) {
-    auto built = Accelerator::build(scene, 1, nullptr, &traced);
+    auto built = Accelerator::build(scene, 1, nullptr, std::nullopt, &traced);
     EXPECT_TRUE(built.has_value());
     accelerator = *std::move(built);
   }

@@ -13,6 +13,10 @@ namespace {
 constexpr std::size_t kMaxOrderBytes = 4096;
 constexpr std::size_t kMaxEndedSessions = 4096;
 
+/// Returns a lane's order among the crew's pictures. Tiles are encoded before, with order 0, since a node of one thread
+/// would otherwise encode none until a block's piece ends.
+std::uint64_t order_of(const BlockLanes::Lane& lane) { return lane.place + 1; }
+
 /// Counts for its lifetime.
 class Counted {
  public:
@@ -138,7 +142,7 @@ void RenderWorker::look_again() {
     Running& running = *running_[i];
     running.is_preempted = lane.is_preempted;
     running.ends_at = lane.ends_at.time_since_epoch().count();
-    if (running.picture) running.picture->set_order(lane.place);
+    if (running.picture) running.picture->set_order(order_of(lane));
   }
 }
 
@@ -173,7 +177,7 @@ std::shared_ptr<const BlockOrder> RenderWorker::begin_piece(std::size_t lane) {
   const auto order = lanes_.begin(lane, now, takes_tiles());
   if (order == nullptr) return nullptr;
   if (busy_lanes_++ == 0) busy_since_ = now;
-  running_[lane]->picture.emplace(*crew_, lanes_.lanes()[lane].place);
+  running_[lane]->picture.emplace(*crew_, order_of(lanes_.lanes()[lane]));
   look_again();
   return order;
 }

@@ -34,14 +34,19 @@ std::vector<wire::NodeReport> TileSender::reports_of(std::vector<NodeLink::Outgo
   std::vector<wire::NodeReport> reports(items.size());
   std::vector<Encoding> costs(items.size());
   if (encoders_.size() < items.size()) encoders_.resize(items.size());
-  crew_.run(static_cast<int>(items.size()), [&](int i) {
+  const auto encode = [&](int i) {
     const auto index = static_cast<std::size_t>(i);
     const auto* const tile = std::get_if<RenderedTile>(&items[index]);
     if (tile == nullptr) return;
     const double begun = thread_cpu_seconds();
     reports[index] = encoded(*tile, encoders_[index], &costs[index].error);
     costs[index].cpu_seconds = thread_cpu_seconds() - begun;
-  });
+  };
+  if (items.size() == 1) {
+    encode(0);  // A report, or the only tile, does not wait for a place among the crew.
+  } else {
+    crew_.run(static_cast<int>(items.size()), encode);
+  }
   for (std::size_t i = 0; i < items.size(); ++i) {
     if (auto* const report = std::get_if<wire::NodeReport>(&items[i])) {
       reports[i] = std::move(*report);

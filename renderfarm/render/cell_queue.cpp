@@ -48,7 +48,9 @@ std::optional<CellQueue::Cells> CellQueue::take() {
   return working_ < threads_ ? take_lowest(std::nullopt) : std::nullopt;
 }
 
-std::optional<CellQueue::Cells> CellQueue::take(Lane lane) { return take_lowest(lane); }
+std::optional<CellQueue::Cells> CellQueue::take(Lane lane) {
+  return working_ < threads_ ? take_lowest(lane) : std::nullopt;
+}
 
 std::optional<CellQueue::Cells> CellQueue::take_lowest(std::optional<Lane> last) {
   std::optional<Lane> best;

@@ -28,7 +28,7 @@ class CellQueue {
     int end = 0;
   };
 
-  /// About `threads` threads work at once: beyond them only pictures' own threads do.
+  /// No more than `threads` threads work at once, except for a cell's time after a picture's own thread went on.
   explicit CellQueue(int threads) : threads_(threads) {}
 
   /// Returns an unused lane for a picture. Its thread counts as working except between begin() and the step's end.
@@ -44,7 +44,7 @@ class CellQueue {
   /// work.
   std::optional<Cells> take();
   /// Takes cells for the thread of this lane's picture: its own, or those of a lower order. Returns nothing if there are
-  /// none.
+  /// none or enough threads work.
   std::optional<Cells> take(Lane lane);
   /// To be called when taken cells are computed. Returns true if this completes the lane's step.
   bool finish(const Cells& cells, double seconds);

@@ -37,6 +37,7 @@ Crew::Picture::Picture(Crew& crew, std::uint64_t order)
         const std::lock_guard lock(crew.mutex_);
         return crew.queue_.open(order);
       }()) {
+  CHECK(outer_ == nullptr || &outer_->crew_ != &crew);  // It would wait for the place that this thread already has.
   current = this;
   const std::lock_guard lock(crew.mutex_);
   if (crew.pictures_.size() <= lane_) crew.pictures_.resize(lane_ + 1);
@@ -47,12 +48,10 @@ Crew::Picture::Picture(Crew& crew, std::uint64_t order)
 Crew::Picture::~Picture() {
   CHECK(current == this);
   current = outer_;
-  {
-    const std::lock_guard lock(crew_.mutex_);
-    crew_.queue_.close(lane_);
-    crew_.pictures_[lane_] = nullptr;
-  }
-  crew_.changed_.notify_one();  // One more thread may work.
+  const std::lock_guard lock(crew_.mutex_);
+  crew_.queue_.close(lane_);
+  crew_.pictures_[lane_] = nullptr;
+  crew_.give_place();
 }
 
 void Crew::Picture::set_order(std::uint64_t order) {
@@ -84,12 +83,20 @@ void Crew::run(Picture& picture, int count, const std::function<void(int)>& work
     if (const auto cells = queue_.take(picture.lane_)) {
       compute(*cells, &lock);
     } else {
-      changed_.notify_one();  // A worker may have the place of this thread.
+      give_place();
       picture.completed_.wait(lock);
     }
   }
   picture.work_ = nullptr;
   if (picture.failure_) std::rethrow_exception(std::exchange(picture.failure_, nullptr));
+}
+
+void Crew::give_place() {
+  changed_.notify_one();
+  // A picture's thread that found all places taken waits for cells, too.
+  for (Picture* const picture : pictures_) {
+    if (picture != nullptr) picture->completed_.notify_one();
+  }
 }
 
 void Crew::serve(const std::function<void()>& at_start) {

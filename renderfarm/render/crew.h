@@ -34,6 +34,7 @@ class Crew {
   /// run() has order 0. Its order may be set from any thread; else thread-bound.
   class Picture {
    public:
+    /// Precondition: the thread has no other picture of this crew.
     Picture(Crew& crew, std::uint64_t order);
     ~Picture();
     Picture(const Picture&) = delete;
@@ -61,6 +62,8 @@ class Crew {
 
  private:
   void serve(const std::function<void()>& at_start);
+  /// Wakes the threads that may take the place of one that stopped working. Precondition: the mutex is held.
+  void give_place();
   void compute(const CellQueue::Cells& cells, std::unique_lock<std::mutex>* lock);
   void run(Picture& picture, int count, const std::function<void(int)>& work);
 

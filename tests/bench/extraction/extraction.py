@@ -4,7 +4,7 @@
 
 Run: extraction.py BUILD_FOLDER SCENE JSON [--views 16 32 ...] [--only DEFENCE ...] [--keep FOLDER]
 
-The attacker knows the eye of each picture, because he asked for it, so COLMAP only has to match and to triangulate. Its
+The attacker has the eye of each picture, because he requested it, so COLMAP only has to match and to triangulate. Its
 dense part needs a graphics card; its sparse points tell how exact a denser reconstruction would be, and where. The row
 `depth` is another attack: a museum that asks for View.depth gets a distance for each 4x4 pixels, without any matching.
 Ends with 77 where COLMAP, NumPy or SciPy is missing (scripts/install-packages bench).
@@ -33,9 +33,8 @@ KEY = 0x9E1F2BAD2AF9EA4E
 DEFENCES = {
     "none": {},
     "watermark": {"options": ["--watermark", KEY]},
-    "warp 0.5 px": {"options": ["--warp-px", 0.5]},
+    "warp 0.25 px": {"options": ["--warp-px", 0.25]},
     "warp 1 px": {"options": ["--warp-px", 1.0]},
-    "warp 2 px": {"options": ["--warp-px", 2.0]},
     "half size at known places": {"full_views_per_place": 1},
     "quota of 8 places": {"places": 8},
 }

@@ -97,7 +97,7 @@ class Simulation {
   void update() {
     lanes_.update(may());
     for (std::size_t i = 0; i < runs_.size(); ++i) {
-      if (runs_[i].order != nullptr) cells_.set_order(runs_[i].lane, lanes_.lanes()[i].place);
+      if (runs_[i].order != nullptr) cells_.set_order(runs_[i].lane, lanes_.lanes()[i].place + 1);
     }
   }
 
@@ -143,7 +143,7 @@ class Simulation {
     Run& run = runs_[i];
     run.order = lanes_.begin(i, time(), may());
     if (run.order == nullptr) return;
-    run.lane = cells_.open(lanes_.lanes()[i].place);
+    run.lane = cells_.open(lanes_.lanes()[i].place + 1);
     run.cpu_seconds = 0.0;
     update();
     go_on(i);

@@ -44,6 +44,7 @@ TEST(CellQueue, lets_no_more_threads_work_than_there_are) {
   const auto cells = queue.take();
   EXPECT_EQ(text(cells), "0:0-1");
   EXPECT_EQ(text(queue.take()), "none");
+  EXPECT_EQ(text(queue.take(lane)), "none") << "not even its own thread";
   EXPECT_FALSE(queue.finish(*cells, 0.1));
   EXPECT_EQ(text(queue.take()), "0:1-2");
   queue.close(other);

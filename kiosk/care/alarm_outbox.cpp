@@ -53,13 +53,7 @@ std::string AlarmOutbox::to_json() const {
   Json json{{"version", kOutboxVersion}};
   for (const AlarmChannel channel : kAlarmChannels) {
     Json list = Json::array();
-    for (const Alarm& alarm : of(channel).waiting) {
-      Json one = care::to_json(alarm.fault);
-      one["since_s"] = to_number(alarm.since);
-      one["at_s"] = to_number(alarm.at);
-      one["is_over"] = alarm.is_over;
-      list.push_back(std::move(one));
-    }
+    for (const Alarm& alarm : of(channel).waiting) list.push_back(alarm_json(alarm));
     json[kNames[static_cast<std::size_t>(channel)]] = std::move(list);
   }
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -73,15 +67,7 @@ Status AlarmOutbox::read_json(std::string_view text, const std::string& name) {
   root.require_version(kOutboxVersion);
   std::array<Queue, kAlarmChannels.size()> queues;
   for (std::size_t i = 0; i < queues.size(); ++i) {
-    for (StrictJson& one : root.list(kNames[i], 0, kMaxWaiting)) {
-      Alarm alarm;
-      alarm.fault = read_fault(one);
-      alarm.since = read_time(one, "since_s");
-      alarm.at = read_time(one, "at_s");
-      alarm.is_over = one.flag("is_over");
-      one.refuse_other_keys();
-      queues[i].waiting.push_back(std::move(alarm));
-    }
+    for (StrictJson& one : root.list(kNames[i], 0, kMaxWaiting)) queues[i].waiting.push_back(read_alarm(one));
   }
   root.refuse_other_keys();
   TRY(mistakes.status(name));

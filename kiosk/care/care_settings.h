@@ -33,6 +33,8 @@
 namespace cyclorama::care {
 
 inline constexpr const char* kCareFile = "care.toml";
+/// A shorter token could be guessed.
+inline constexpr std::size_t kMinMetricsToken = 16;
 
 /// Hours of each day, in minutes since midnight; over midnight where `from` is later than `to`.
 struct QuietHours {

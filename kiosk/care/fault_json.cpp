@@ -22,4 +22,22 @@ WallSeconds read_time(StrictJson& json, const char* key) {
   return WallSeconds(std::chrono::seconds(static_cast<std::int64_t>(json.number(key, -kMaxTime_s, kMaxTime_s))));
 }
 
+nlohmann::ordered_json alarm_json(const Alarm& alarm) {
+  nlohmann::ordered_json json = to_json(alarm.fault);
+  json["since_s"] = to_number(alarm.since);
+  json["at_s"] = to_number(alarm.at);
+  json["is_over"] = alarm.is_over;
+  return json;
+}
+
+Alarm read_alarm(StrictJson& json) {
+  Alarm alarm;
+  alarm.fault = read_fault(json);
+  alarm.since = read_time(json, "since_s");
+  alarm.at = read_time(json, "at_s");
+  alarm.is_over = json.flag("is_over");
+  json.refuse_other_keys();
+  return alarm;
+}
+
 }  // namespace cyclorama::care

@@ -13,5 +13,8 @@ namespace cyclorama::care {
 [[nodiscard]] std::int64_t to_number(WallSeconds time);
 Fault read_fault(StrictJson& json);
 WallSeconds read_time(StrictJson& json, const char* key);
+[[nodiscard]] nlohmann::ordered_json alarm_json(const Alarm& alarm);
+/// Reads an alarm, which has no other keys.
+Alarm read_alarm(StrictJson& json);
 
 }  // namespace cyclorama::care

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kiosk/operator/museum_routes.h"
 
+#include <absl/time/time.h>
 #include <fmt/format.h>
 #include <httplib.h>
 
@@ -20,6 +21,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxRecoveryKeyBytes = 1000;
+constexpr std::size_t kMaxShownEvents = 20;
+constexpr std::size_t kMaxShownDays = 30;
 
 /// Allows one expensive operation at a time.
 class Turn {
@@ -65,6 +68,30 @@ Json alarms_json(const AlarmService::Report& report) {
           {"problem", report.problem}};
 }
 
+std::string utc_text(care::WallSeconds time) {
+  return absl::FormatTime("%E4Y-%m-%dT%H:%M:%SZ", absl::FromChrono(time), absl::UTCTimeZone());
+}
+
+/// Adds the last faults, the newest first, and the counts of the last days with visits.
+void add_records(const CareLog::Report& report, Json* json) {
+  Json history = Json::array();
+  for (auto event = report.events.rbegin(); event != report.events.rend(); ++event) {
+    if (history.size() == kMaxShownEvents) break;
+    history.push_back({{"title", event->fault.title},
+                       {"sentence", event->fault.sentence},
+                       {"remedy", event->fault.remedy},
+                       {"at", utc_text(event->is_over ? event->at : event->since)},
+                       {"is_over", event->is_over}});
+  }
+  Json days = Json::array();
+  for (auto day = report.days.rbegin(); day != report.days.rend(); ++day) {
+    if (days.size() == kMaxShownDays) break;
+    days.push_back({{"date", day->first}, {"visits", day->second.visits}, {"seconds", day->second.seconds}});
+  }
+  (*json)["history"] = std::move(history);
+  (*json)["visits"] = {{"today", report.today}, {"is_visited", report.is_visited}, {"days", std::move(days)}};
+}
+
 std::string museum_json(const MuseumServices& services) {
   const MuseumState& museum = services.support.museum;
   const Findings findings = findings_of(services.watch->observations(), museum);
@@ -78,6 +105,8 @@ std::string museum_json(const MuseumServices& services) {
             {"provisioning", nullptr},
             {"update", nullptr},
             {"alarms", nullptr},
+            {"history", nullptr},
+            {"visits", nullptr},
             {"calibration", nullptr},
             {"watched", nullptr},
             {"page",
@@ -96,6 +125,7 @@ std::string museum_json(const MuseumServices& services) {
                       {"at", findings.update->at}};
   }
   if (services.alarms != nullptr) json["alarms"] = alarms_json(services.alarms->report());
+  if (services.log != nullptr) add_records(services.log->report(), &json);
   if (services.calibration != nullptr) json["calibration"] = Json::parse(services.calibration->json());
   if (services.healing != nullptr) json["watched"] = Json::parse(services.healing->json());
   return dumped(json);

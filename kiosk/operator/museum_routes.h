@@ -18,6 +18,7 @@
 
 #include "kiosk/operator/alarm_service.h"
 #include "kiosk/operator/calibration_controller.h"
+#include "kiosk/operator/care_log.h"
 #include "kiosk/operator/healing_controller.h"
 #include "kiosk/operator/museum_state.h"
 #include "kiosk/operator/support_bundle.h"
@@ -36,6 +37,7 @@ struct MuseumServices {
   CalibrationController* calibration = nullptr;
   HealingController* healing = nullptr;
   AlarmService* alarms = nullptr;
+  CareLog* log = nullptr;
   SupportOrder support;  ///< Includes the museum's state folder.
   /// Folder in which a file with the request's name triggers a systemd unit; empty: no requests.
   std::filesystem::path requests;

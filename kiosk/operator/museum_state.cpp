@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kiosk/operator/museum_state.h"
 
+#include <openssl/crypto.h>
+
 #include <system_error>
 #include <utility>
 
@@ -66,6 +68,16 @@ std::string name_of(const MuseumState& museum) {
 std::string language_of(const MuseumState& museum) {
   const auto settings = care::read_care_settings(museum.care());
   return settings ? settings->language : "";
+}
+
+bool admits_scraper(const MuseumState& museum, std::string_view authorization) {
+  constexpr std::string_view kBearer = "Bearer ";
+  const auto settings = care::read_care_settings(museum.care());
+  if (!settings || settings->metrics_token_file.empty() || !authorization.starts_with(kBearer)) return false;
+  const auto token = care::read_secret(settings->metrics_token_file);
+  const std::string_view presented = authorization.substr(kBearer.size());
+  return token && token->size() >= care::kMinMetricsToken && presented.size() == token->size() &&
+         CRYPTO_memcmp(presented.data(), token->data(), token->size()) == 0;
 }
 
 std::vector<std::string> farm_of(const MuseumState& museum) {

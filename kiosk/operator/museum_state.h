@@ -53,6 +53,8 @@ Status set_hours(const MuseumState& museum, const HoursRequest& wanted, WallTime
 [[nodiscard]] std::string name_of(const MuseumState& museum);
 /// Returns the museum's language in the settings in use: "de"; empty if they name none.
 [[nodiscard]] std::string language_of(const MuseumState& museum);
+/// True if an Authorization header is "Bearer " and the token of [metrics] in care.toml.
+[[nodiscard]] bool admits_scraper(const MuseumState& museum, std::string_view authorization);
 /// Returns the addresses of the farm's coordinators in the settings in use; none if the settings cannot be read.
 [[nodiscard]] std::vector<std::string> farm_of(const MuseumState& museum);
 /// Gathers the present input for checks_of().

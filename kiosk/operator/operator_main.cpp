@@ -127,13 +127,16 @@ Status run(const Options& options, const StopSignal& stop) {
   museum.requests = options.requests.value_or("");
   if (options.keep) museum.recovery_key = std::filesystem::path(*options.keep) / "recovery-key";
   if (access.certificate) museum.fingerprint = access.certificate->fingerprint;
+  const auto checks = [&] { return checks_of(findings_of(watch.observations(), museum.support.museum)); };
   std::optional<AlarmService> alarms;
+  std::optional<CareLog> records;
   if (options.museum && options.keep) {
     alarms.emplace(
-        AlarmService::Options{museum.support.museum, *options.keep,
-                              [&] { return checks_of(findings_of(watch.observations(), museum.support.museum)); },
+        AlarmService::Options{museum.support.museum, *options.keep, checks,
                               [port = parse_address(options.listen)] { return port ? outside_page(port->port) : ""; }});
     museum.alarms = &*alarms;
+    records.emplace(CareLog::Options{museum.support.museum, *options.keep, &watch, checks});
+    museum.log = &*records;
   }
   PageExtras extras;
   if (options.museum) extras.museum = &museum;

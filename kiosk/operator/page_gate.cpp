@@ -63,7 +63,7 @@ bool is_json(const httplib::Request& request) {
 
 /// Returns true when the request may proceed.
 bool lets_pass(const httplib::Request& request, Sessions* sessions, std::span<const PageFile> login,
-               httplib::Response& response) {
+               const std::function<bool(std::string_view)>& admits_scraper, httplib::Response& response) {
   const bool changes = request.method != "GET" && request.method != "HEAD";
   if (changes && !is_json(request)) {
     refuse(415, "send application/json", response);
@@ -83,7 +83,9 @@ bool lets_pass(const httplib::Request& request, Sessions* sessions, std::span<co
                               (!changes && std::any_of(login.begin(), login.end(), [&](const PageFile& file) {
                                 return file.path == request.path;
                               }));
-  if (is_open_to_all || sessions->is_open(cookie_in(request, kSessionCookie))) return true;
+  const bool is_scraper = !changes && request.path == "/metrics" && admits_scraper &&
+                          admits_scraper(request.get_header_value("Authorization"));
+  if (is_open_to_all || is_scraper || sessions->is_open(cookie_in(request, kSessionCookie))) return true;
   if (request.method == "GET" && request.path == "/") {
     response.set_redirect("/login.html", 303);
   } else {
@@ -138,10 +140,11 @@ void serve_login(httplib::Server& server, Sessions* sessions, std::function<std:
 }  // namespace
 
 void guard(httplib::Server& server, Sessions* sessions, std::span<const PageFile> login,
-           std::function<std::vector<Check>()> told) {
-  server.set_pre_routing_handler([sessions, login](const httplib::Request& request, httplib::Response& response) {
-    return lets_pass(request, sessions, login, response) ? httplib::Server::HandlerResponse::Unhandled
-                                                         : httplib::Server::HandlerResponse::Handled;
+           std::function<std::vector<Check>()> told, std::function<bool(std::string_view)> admits_scraper) {
+  server.set_pre_routing_handler([sessions, login, admits_scraper = std::move(admits_scraper)](
+                                     const httplib::Request& request, httplib::Response& response) {
+    return lets_pass(request, sessions, login, admits_scraper, response) ? httplib::Server::HandlerResponse::Unhandled
+                                                                         : httplib::Server::HandlerResponse::Handled;
   });
   if (sessions == nullptr) return;
   serve_page(server, login);

@@ -224,11 +224,13 @@ class MuseumChecker {
   void check_care() {
     const auto care = care::read_care_settings(check_.in(care::kCareFile));
     if (!care) return check_.problem(care.error().message());
-    const auto secret = [&](const fs::path& file, const std::string& where) {
+    const auto secret = [&](const fs::path& file, const std::string& where, std::size_t min_length = 1) {
       if (file.empty() || !check_.is_ours_unquoted(file, where)) return;
       check_.keep_secret(file, kOperatorGroup);
       const auto read = care::read_secret(file);
-      if (!read) check_.problem(read.error().message());
+      if (!read) return check_.problem(read.error().message());
+      if (read->size() < min_length)
+        check_.problem(fmt::format("{}: its token must have {} characters or more", where, min_length));
     };
     const auto authority = [&](const fs::path& file, const std::string& where) {
       if (!file.empty()) check_.is_ours(file, where);
@@ -241,7 +243,7 @@ class MuseumChecker {
       secret(webhook->token_file, "care.toml [alarms.webhook] token_file");
       authority(webhook->authority, "care.toml [alarms.webhook] authority");
     }
-    secret(care->metrics_token_file, "care.toml [metrics] token_file");
+    secret(care->metrics_token_file, "care.toml [metrics] token_file", care::kMinMetricsToken);
   }
 
   void query_programs() {

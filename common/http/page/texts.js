@@ -42,6 +42,12 @@ export function dateText(iso, zone, withDay) {
   return new Intl.DateTimeFormat(locale, { ...options, timeZone: zone || undefined }).format(new Date(iso));
 }
 
+// A date such as "2026-11-25".
+export const dayText = (date) =>
+  new Intl.DateTimeFormat(locale, { weekday: "short", day: "numeric", month: "short", timeZone: "UTC" }).format(
+    new Date(date),
+  );
+
 // "Tue-Sun 10:00-18:00" with the reader's names of the days.
 export function hoursText(line) {
   const days = ["Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"];

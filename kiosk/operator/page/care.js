@@ -3,6 +3,7 @@
 import { showHealing } from "./healing.js";
 import { byId, fixed, get, isNumber, make, repeat } from "./helpers.js";
 import { projectorNames } from "./page.js";
+import { showHistory, showVisits } from "./records.js";
 import { ask, press, pressTwice, say } from "./requests.js";
 import { dateText, hoursText, ntr, tr } from "./texts.js";
 
@@ -272,6 +273,8 @@ repeat(1000, async () => {
     showSettings(museum.provisioning);
     showHours(museum.schedule);
     showAlarms(museum.alarms, museum.schedule?.zone);
+    showVisits(museum.visits);
+    showHistory(museum.history, museum.schedule?.zone);
     showSoftware(museum.update, museum.page);
     showPage(museum.page);
   } catch {

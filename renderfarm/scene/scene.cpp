@@ -14,6 +14,7 @@
 #include "common/base/file.h"
 #include "common/base/text_lines.h"
 #include "renderfarm/scene/assemble.h"
+#include "renderfarm/scene/defects.h"
 #include "renderfarm/scene/environment_file.h"
 #include "renderfarm/scene/found_frame.h"
 #include "renderfarm/scene/found_light.h"
@@ -144,6 +145,10 @@ Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const E
   Scene scene;
   scene.model = std::move(model);
   scene.environment = std::move(environment);
+  if (package.repair) {
+    std::vector<std::string> done = repair_defects(&scene.model);
+    std::move(done.begin(), done.end(), std::back_inserter(scene.model.notes));
+  }
   scene.bounds = bounds_of(scene.model);
   if (scene.bounds.isEmpty()) {
     return Error(ErrorCode::kBadData,

@@ -12,6 +12,7 @@
 namespace cyclorama::provision {
 
 inline constexpr const char* kPinFile = "operator-pin";
+inline constexpr const char* kPinGroup = "cyclorama-operator";  ///< Group that may read it.
 inline constexpr const char* kOperatorFile = "operator.toml";
 
 /// A file that only one service may read.

@@ -84,6 +84,7 @@ kiosk/operator: common/base common/board common/config common/http common/image 
     common/reach common/wand common/wire kiosk/provision kiosk/tour kiosk/update
 kiosk/provision: common/base common/config common/edid common/image common/opening common/process common/room common/wand
     common/wire kiosk/tour kiosk/update
+kiosk/renewal: common/base common/opening common/process common/wire kiosk/tour renderfarm/client
 kiosk/tour: common/base common/config common/geometry common/json common/process common/wire renderfarm/client
 kiosk/update: common/base common/config common/opening common/process common/update common/wire kiosk/tour
     renderfarm/client

@@ -118,6 +118,7 @@ Findings with_display(const char* renderer) {
   ProcessObservation& display = findings.processes.emplace_back();
   display.endpoint.name = "display";
   display.asked = true;
+  display.away = false;
   wire::Fact* const fact = display.status.emplace().add_facts();
   fact->set_name("gl_renderer");
   fact->set_value(renderer);
@@ -128,6 +129,7 @@ TEST(HardwareChecks, report_a_card_without_a_driver) {
   Findings findings = with_display("Mesa Intel(R) Iris(R) Xe Graphics, OpenGL ES 3.2");
   findings.hardware.cards = {{"Intel", "8086:46a6", "i915"}};
   EXPECT_EQ(find(findings, "graphics").level, CheckLevel::kOk);
+  EXPECT_THAT(find(findings, "graphics").sentence, HasSubstr("drawn by Intel (8086:46a6) by i915"));
   EXPECT_EQ(find(findings, "graphics-driver").title, "not in the list");
   findings.hardware.cards.push_back({"NVIDIA", "10de:2684", ""});
   EXPECT_EQ(find(findings, "graphics-driver").level, CheckLevel::kWarning) << "the other one may be used";

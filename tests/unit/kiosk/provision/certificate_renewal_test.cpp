@@ -70,8 +70,7 @@ TEST(CertificateRenewal, leaves_what_is_in_use_when_the_next_pair_is_bad) {
   const std::string certificate = museum.stick.in_use("tls/certificate.crt");
   const auto refused = [&](const std::string& why) {
     const Status done = museum.renew();
-    EXPECT_FALSE(done);
-    if (!done) EXPECT_THAT(done.error().message(), HasSubstr(why));
+    EXPECT_THAT(done ? "" : done.error().message(), HasSubstr(why));
     EXPECT_EQ(museum.stick.in_use("tls/certificate.crt"), certificate);
     EXPECT_EQ(museum.report.in_use, "000002");
     EXPECT_FALSE(fs::exists(museum.stick.root() / "staging"));

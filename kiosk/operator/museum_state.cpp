@@ -90,6 +90,7 @@ Findings findings_of(std::vector<ProcessObservation> processes, const MuseumStat
   Findings findings;
   findings.processes = std::move(processes);
   findings.machine = read_machine_facts(museum.root);
+  findings.hardware = read_hardware_facts();
   findings.now = std::chrono::system_clock::now();
   std::error_code failed;
   findings.is_museum = std::filesystem::is_directory(museum.root / "generations", failed);

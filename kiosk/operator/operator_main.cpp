@@ -80,9 +80,11 @@ Result<OperatorAccess> make_access(const Options& options, const Clock& clock) {
   return access;
 }
 
-/// Until the stop, lets the page answer itself, feeds the watchdog whenever it does, so that systemd restarts a page
-/// that does not, and reports to the display. `reach` may be null.
-void watch_over(const SelfCheck& check, ReachWriter* reach, const StopSignal& stop, Notify* notify) {
+/// Returns at the stop, or when the page needs another certificate. Meanwhile it lets the page answer itself, feeds the
+/// watchdog whenever it does, so that systemd restarts a page that does not, and reports to the display. `reach` may be
+/// null.
+void watch_over(const SelfCheck& check, const OperatorAccess& access, ReachWriter* reach, const StopSignal& stop,
+                Notify* notify) {
   std::string trouble;
   const auto report = [&](const Status& done) {
     const std::string sentence = done ? "" : done.error().message();
@@ -96,6 +98,10 @@ void watch_over(const SelfCheck& check, ReachWriter* reach, const StopSignal& st
     const TimePoint now = SteadyClock().now();
     const bool is_reach_due = reach != nullptr && now >= reach_at;
     if (!is_reach_due && !notify->is_due(now)) continue;
+    if (access.certificate && is_to_be_renewed(*access.certificate, std::time(nullptr))) {
+      // systemd starts this program again: at most once in two years, and when a lost clock was set.
+      return log(LogLevel::kNotice, "the page's certificate is to be made anew, so the page starts again");
+    }
     Status done = check.run();
     if (done) notify->keep_alive(SteadyClock().now());
     if (is_reach_due) {
@@ -159,7 +165,7 @@ Status run(const Options& options, const StopSignal& stop) {
   }
   Notify notify;
   notify.ready();
-  watch_over(check, reach ? &*reach : nullptr, stop, &notify);
+  watch_over(check, access, reach ? &*reach : nullptr, stop, &notify);
   notify.stopping();
   page->stop();
   return Done{};

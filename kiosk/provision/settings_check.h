@@ -12,6 +12,7 @@
 namespace cyclorama::provision {
 
 inline constexpr const char* kPinFile = "operator-pin";
+inline constexpr const char* kPinGroup = "cyclorama-operator";  ///< Group that may read it.
 inline constexpr const char* kOperatorFile = "operator.toml";
 /// Lies in a folder that is checked while its projectors are still those of the image, without connectors; never kept.
 inline constexpr const char* kAnyComputerFile = "any-computer";

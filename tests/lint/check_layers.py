@@ -90,6 +90,7 @@ kiosk/operator: common/base common/board common/config common/edid common/http c
     kiosk/network kiosk/provision kiosk/setup kiosk/tour kiosk/update
 kiosk/provision: common/base common/config common/edid common/image common/network common/opening common/process
     common/room common/wand common/wire kiosk/care kiosk/tour kiosk/update
+kiosk/renewal: common/base common/opening common/process common/wire kiosk/tour renderfarm/client
 kiosk/setup: common/base common/config common/network common/room
 kiosk/tour: common/base common/config common/geometry common/image common/json common/language common/process
     common/wire renderfarm/client

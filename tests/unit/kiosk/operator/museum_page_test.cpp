@@ -434,5 +434,23 @@ TEST(PageCertificate, is_created_once_kept_private_and_renewed_in_time) {
   EXPECT_FALSE(page_certificate(disk.root() / "nowhere", now));
 }
 
+TEST(PageCertificate, is_renewed_by_a_page_that_runs_for_years_and_after_the_clock_was_set) {
+  const MuseumStick disk;
+  std::time_t now = std::time(nullptr);
+  auto page = page_certificate(disk.root(), now);
+  ASSERT_TRUE(page);
+  EXPECT_TRUE(is_to_be_renewed(*page, now - 30L * 86400)) << "the clock was years ahead when the page started";
+  constexpr int kDays = 5 * 365;
+  int starts = 0;
+  for (int day = 0; day < kDays; ++day, now += 86400) {
+    if (!is_to_be_renewed(*page, now)) continue;
+    ++starts;
+    page = page_certificate(disk.root(), now);
+    ASSERT_TRUE(page);
+    EXPECT_FALSE(is_to_be_renewed(*page, now)) << "a page must not start again for ever";
+  }
+  EXPECT_EQ(starts, 2);
+}
+
 }  // namespace
 }  // namespace cyclorama::operations

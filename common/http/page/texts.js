@@ -34,12 +34,21 @@ export function ntr(one, many, n, values = {}) {
 // British English writes times as the settings do, up to 24 hours.
 const locale = language === "en" ? "en-GB" : language;
 
+// Returns a time zone that the browser knows: a computer without a named one calls its own "localtime".
+function known(zone) {
+  try {
+    return new Intl.DateTimeFormat(locale, { timeZone: zone }).resolvedOptions().timeZone;
+  } catch {
+    return undefined;
+  }
+}
+
 // A date and time in the museum's time zone, as the reader writes it.
 export function dateText(iso, zone, withDay) {
   const options = withDay
     ? { weekday: "short", day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" }
     : { hour: "2-digit", minute: "2-digit" };
-  return new Intl.DateTimeFormat(locale, { ...options, timeZone: zone || undefined }).format(new Date(iso));
+  return new Intl.DateTimeFormat(locale, { ...options, timeZone: known(zone) }).format(new Date(iso));
 }
 
 // A date such as "2026-11-25".

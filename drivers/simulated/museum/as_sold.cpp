@@ -101,7 +101,8 @@ void make_webcam(const RandomStream& of_kind, MuseumTruth* truth) {
 
 void paint_wall(const RandomStream& of_kind, MuseumTruth* truth) {
   RandomStream draws = of_kind;
-  for (int i = 0; i < 3; ++i) truth->paint.seams.push_back({draws.between(0.05, 0.95), 0.0015, draws.between(0.7, 0.9)});
+  for (int i = 0; i < 3; ++i)
+    truth->paint.seams.push_back({draws.between(0.05, 0.95), 0.0015, draws.between(0.7, 0.9)});
   const double left = draws.between(0.1, 0.8);
   truth->paint.panels.push_back({left, left + 0.09, 0.0, 0.85, draws.between(0.6, 0.8), 0.3});
   truth->paint.plaster = 0.06;
@@ -120,10 +121,12 @@ struct Kind {
   const char* name;
   void (*add)(const RandomStream& draws, MuseumTruth* truth);
 };
-constexpr Kind kKinds[] = {{"decentred", decentre},  {"residue", leave_residue}, {"colour", colour_rims},
-                           {"focus", defocus},       {"wheel", turn_wheel},      {"drift", warm_up},
-                           {"webcam", make_webcam},  {"exposure", expose_freely}, {"wall", paint_wall},
-                           {"daylight", let_daylight_in}, {"mount", loosen_mount}};
+constexpr Kind kKinds[] = {{"decentred", decentre}, {"residue", leave_residue},
+                           {"colour", colour_rims}, {"focus", defocus},
+                           {"wheel", turn_wheel},   {"drift", warm_up},
+                           {"webcam", make_webcam}, {"exposure", expose_freely},
+                           {"wall", paint_wall},    {"daylight", let_daylight_in},
+                           {"mount", loosen_mount}};
 
 }  // namespace
 

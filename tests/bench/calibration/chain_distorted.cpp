@@ -21,8 +21,9 @@ using Json = nlohmann::ordered_json;
 constexpr int kQuickRows = 270;
 
 struct Goal {
-  double p95_px = 1.2;      ///< At 1080 rows.
-  double stated_times = 2.0;  ///< A result beyond the goal is confidently wrong if it is so many times worse than stated.
+  double p95_px = 1.2;  ///< At 1080 rows.
+  double stated_times =
+      2.0;  ///< A result beyond the goal is confidently wrong if it is so many times worse than stated.
 };
 
 struct Case {
@@ -100,7 +101,8 @@ void print(const std::string& name, const Json& json) {
              of("p95_px"), of("max_px"), of("stated_p95_px"), of("true_p95_px"), 100.0 * of("registration_covered"),
              100.0 * of("direction_covered"), 100.0 * of("missing"));
   if (json["has_light"].get<bool>()) {
-    fmt::print("{:>9.2f}%{:>9.2f}{:>9.2f}%", 100.0 * of("seam_step_p95"), of("seam_de_p95"), 100.0 * of("response_rms"));
+    fmt::print("{:>9.2f}%{:>9.2f}{:>9.2f}%", 100.0 * of("seam_step_p95"), of("seam_de_p95"),
+               100.0 * of("response_rms"));
   } else {
     fmt::print("  no light");
   }

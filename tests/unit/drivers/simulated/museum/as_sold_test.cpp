@@ -55,9 +55,7 @@ GreyPhotograph photograph(const MuseumTruth& truth, const RgbImage& picture, dou
   return *museum.photograph_grey(kExposure_s);
 }
 
-double sum(const GreyPhotograph& codes) {
-  return std::accumulate(codes.data().begin(), codes.data().end(), 0.0);
-}
+double sum(const GreyPhotograph& codes) { return std::accumulate(codes.data().begin(), codes.data().end(), 0.0); }
 
 /// Returns the largest difference of two photographs, in codes.
 int apart(const GreyPhotograph& a, const GreyPhotograph& b) {
@@ -68,7 +66,8 @@ int apart(const GreyPhotograph& a, const GreyPhotograph& b) {
 }
 
 class AsSold : public ::testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(All, AsSold, ::testing::ValuesIn(as_sold_kinds()), [](const auto& kind) { return kind.param; });
+INSTANTIATE_TEST_SUITE_P(All, AsSold, ::testing::ValuesIn(as_sold_kinds()),
+                         [](const auto& kind) { return kind.param; });
 
 TEST_P(AsSold, changes_the_museum_and_survives_a_round_trip) {
   Preset preset = small_preset();

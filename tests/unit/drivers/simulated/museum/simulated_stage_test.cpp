@@ -26,7 +26,8 @@ TEST(SimulatedStage, takes_pictures_of_the_projectors_size_and_whole_parts_of_it
   for (const auto& [width, height] : {std::pair(321, 180), std::pair(160, 90), std::pair(80, 45), std::pair(0, 0)})
     EXPECT_TRUE(stage->show(0, RgbImage(width, height))) << width << "x" << height;
   // A picture of another shape would be shown distorted, and everything that is measured with it would be wrong.
-  for (const auto& [width, height] : {std::pair(160, 80), std::pair(160, 180), std::pair(80, 90), std::pair(200, 112)}) {
+  for (const auto& [width, height] :
+       {std::pair(160, 80), std::pair(160, 180), std::pair(80, 90), std::pair(200, 112)}) {
     const auto shown = stage->show(0, RgbImage(width, height));
     ASSERT_FALSE(shown) << width << "x" << height;
     EXPECT_EQ(shown.error().code(), ErrorCode::kInvalidArgument);

@@ -102,7 +102,7 @@ class HeadPainter {
   Texels texels_;
   std::array<Part, 2> parts_;                     // Fully lit triangles, then those that need the mask.
   HeadFeatures features_;                         // Features that all parts have.
-  std::vector<PicturePlace> grid_;                // Copy of HeadUpload::grid.
+  HeadUpload::Grid grid_;                         // Copy of HeadUpload::grid.
   const HeadProgram* caption_program_ = nullptr;  // Null before the first caption.
   Eigen::Matrix3d to_caption_ = Eigen::Matrix3d::Identity();
   PixelRect caption_box_;  // Pixels of the head around the caption, in rows from the bottom; empty: there is none.

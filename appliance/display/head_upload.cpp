@@ -159,14 +159,14 @@ HeadUpload::HeadUpload(const HeadPlan& plan)
       ret_row->push_back(static_cast<float>(direction.tan_elevation));
     });
   }
-  grid.reserve(static_cast<std::size_t>((kGridColumns + 1) * (kGridRows + 1)));
+  std::size_t corner = 0;
   for (int row = 0; row <= kGridRows; ++row) {
     for (int column = 0; column <= kGridColumns; ++column) {
       constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
       const auto direction =
           direction_at(plan.warp, (width_px - 1) * column / kGridColumns, (height_px - 1) * row / kGridRows);
-      grid.push_back(direction ? PicturePlace{direction->azimuth_rad, direction->tan_elevation}
-                               : PicturePlace{kNone, kNone});
+      grid[corner++] =
+          direction ? PicturePlace{direction->azimuth_rad, direction->tan_elevation} : PicturePlace{kNone, kNone};
     }
   }
   if (plan.colour.response) {

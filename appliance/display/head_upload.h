@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -40,6 +42,11 @@ struct HeadUpload {
     std::vector<float> values;  ///< Empty: the texture is not needed.
   };
 
+  static constexpr int kGridColumns = 48;
+  static constexpr int kGridRows = 27;
+  /// An array, so that a painter keeps a copy without allocating.
+  using Grid = std::array<PicturePlace, static_cast<std::size_t>((kGridColumns + 1) * (kGridRows + 1))>;
+
   int width_px;
   int height_px;
   PictureShape picture;
@@ -55,14 +62,12 @@ struct HeadUpload {
   PerPixel map;
   /// Positions in the picture at the corners of kGridColumns x kGridRows cells of the head, in rows from the top; NaN
   /// where there is none.
-  std::vector<PicturePlace> grid;
+  Grid grid{};
   std::vector<float> response;  ///< kResponseSteps codes of red, then of green, then of blue; empty: sRGB.
 
   /// Number of steps of the response. The nearest step is within a 20th of a code value on an sRGB curve; ./bench.sh
   /// display-trade measures the alternatives.
   static constexpr int kResponseSteps = 4096;
-  static constexpr int kGridColumns = 48;
-  static constexpr int kGridRows = 27;
   static constexpr std::size_t kCornerFloats = 4;
   static constexpr std::size_t kTermFloats = 12;
 };

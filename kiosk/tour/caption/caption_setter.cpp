@@ -129,6 +129,7 @@ std::vector<std::vector<Line>> pages_of(PangoLayout* layout, int lines_per_page)
   const auto count = static_cast<int>(lines.size());
   const int page_count = (count + lines_per_page - 1) / lines_per_page;
   std::vector<std::vector<Line>> pages;
+  pages.reserve(static_cast<std::size_t>(page_count));
   for (int page = 0; page < page_count; ++page)
     pages.emplace_back(lines.begin() + count * page / page_count, lines.begin() + count * (page + 1) / page_count);
   return pages;

@@ -81,7 +81,7 @@ class CaptionOnHeads : public testing::Test {
     CHECK(presenter);
     presenter_ = *std::move(presenter);
     mailbox_->frames.put(frame_of(1, plain(64, 32, code)));
-    refresh(1);
+    refresh(40);  // The first picture fades in.
   }
   void TearDown() override { presenter_.reset(); }
   void write(double azimuth_rad = 0.0) {

@@ -6,7 +6,7 @@
 namespace cyclorama::operations {
 
 std::optional<std::string> read_kernel_file(const std::filesystem::path& path) {
-  constexpr std::size_t kMaxBytes = 64 * 1024;
+  constexpr std::size_t kMaxBytes = std::size_t{64} * 1024;
   std::FILE* const file = std::fopen(path.c_str(), "re");
   if (file == nullptr) return std::nullopt;
   std::string text(kMaxBytes, '\0');

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxPemBytes = 64 * 1024;
+constexpr std::size_t kMaxPemBytes = std::size_t{64} * 1024;
 constexpr FolderLimits kLimits{2, kMaxPemBytes, 2 * kMaxPemBytes};
 
 struct NextPair {

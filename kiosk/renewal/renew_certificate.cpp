@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Kind = RenewalOutcome::Kind;
 
-constexpr std::size_t kMaxPemBytes = 64 * 1024;
+constexpr std::size_t kMaxPemBytes = std::size_t{64} * 1024;
 
 std::string day(std::chrono::sys_seconds time) {
   return fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::chrono::system_clock::to_time_t(time)));

@@ -14,7 +14,7 @@
 namespace cyclorama::trust {
 namespace {
 
-constexpr std::size_t kMaxPemBytes = 16 * 1024;
+constexpr std::size_t kMaxPemBytes = std::size_t{16} * 1024;
 
 /// True for the names that cyclorama-authority gives, which are safe as a file's name.
 bool is_name(std::string_view name) {

@@ -22,6 +22,25 @@ double min_square(const std::vector<cv::Point2f>& corners, int columns) {
   return smallest;
 }
 
+/// Between the dark and the bright squares of a board, in grey levels; less is noise.
+constexpr int kMinContrast = 12;
+
+/// Difference of the grey levels that a tenth of the pixels around a corner are below and above: the noise of single
+/// pixels does not count, and any way in which the squares lie does.
+int contrast_at(const GreyImage& photo, const Eigen::Vector2d& corner, int half_px) {
+  const int x = static_cast<int>(corner.x());
+  const int y = static_cast<int>(corner.y());
+  std::vector<std::uint8_t> levels;
+  for (int v = std::max(0, y - half_px); v <= std::min(photo.height() - 1, y + half_px); ++v) {
+    for (int u = std::max(0, x - half_px); u <= std::min(photo.width() - 1, x + half_px); ++u)
+      levels.push_back(*photo.at(u, v));
+  }
+  if (levels.empty()) return 0;
+  std::ranges::sort(levels);
+  const std::size_t tenth = levels.size() / 10;
+  return levels[levels.size() - 1 - tenth] - levels[tenth];
+}
+
 }  // namespace
 
 Result<std::vector<Eigen::Vector2d>> find_chessboard(const GreyImage& photo, int columns, int rows) {
@@ -73,9 +92,10 @@ Result<std::vector<Eigen::Vector2d>> sharpened_corners(const GreyImage& photo, s
                      cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 60, 1e-3));
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const Eigen::Vector2d moved(static_cast<double>(positions[i].x) + 0.5, static_cast<double>(positions[i].y) + 0.5);
-      // A corner without contrast stays exactly at its initial position.
+      // Without contrast cornerSubPix() leaves a corner where it was, whatever the picture.
       const double way = (moved - corners[i]).cwiseAbs().maxCoeff();
-      corners[i] = way < 0.9 * half_px ? moved : Eigen::Vector2d::Constant(std::nan(""));
+      const bool is_seen = way < 0.9 * half_px && contrast_at(photo, moved, half_px) >= kMinContrast;
+      corners[i] = is_seen ? moved : Eigen::Vector2d::Constant(std::nan(""));
     }
     return corners;
   } catch (const cv::Exception& problem) {

@@ -19,7 +19,7 @@ namespace cyclorama::camera_calibration {
 Result<std::vector<Eigen::Vector2d>> find_chessboard(const GreyImage& photo, int columns, int rows);
 
 /// Refines each corner to the point where four squares meet, from the grey levels within `half_px` each way (OpenCV's
-/// cornerSubPix). A corner that moves by nearly `half_px` becomes NaN; a corner without contrast stays unchanged.
+/// cornerSubPix). A corner that moves by nearly `half_px`, or around which the picture has no contrast, becomes NaN.
 /// Errors: kInvalidArgument for an empty picture or `half_px` below 2; kSystem with OpenCV's message.
 Result<std::vector<Eigen::Vector2d>> sharpened_corners(const GreyImage& photo, std::vector<Eigen::Vector2d> corners,
                                                        int half_px);

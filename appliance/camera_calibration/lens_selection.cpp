@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace cyclorama::camera_calibration {
 namespace {
@@ -19,6 +20,55 @@ constexpr double kFineDirection_px = 0.5;   // A larger uncertainty causes a rem
 constexpr calibration::LensModel kModels[] = {calibration::LensModel::kPinhole, calibration::LensModel::kRadial1,
                                               calibration::LensModel::kRadial2, calibration::LensModel::kDecentred,
                                               calibration::LensModel::kFull};
+
+// A view is a stray if the lens of the others predicts it this many times worse than it predicts them, and by this.
+constexpr double kStrayRatio = 4.0;
+constexpr double kMinStray_px = 0.15;
+constexpr std::size_t kMaxStrayShare = 5;  // At most one view of so many is a stray.
+
+/// Error with which a lens predicts each view; infinite where it cannot.
+std::vector<double> errors_of(const std::vector<LensView>& views, const calibration::MeasuredLens& lens) {
+  std::vector<double> errors;
+  for (const LensView& view : views) {
+    const auto error = prediction_error_px(view, lens);
+    errors.push_back(error ? *error : std::numeric_limits<double>::infinity());
+  }
+  return errors;
+}
+
+/// Returns the view that does not belong to the others, such as one with another zoom or of another board. The lens of
+/// all views is bent by it, but fits it worst; the lens of the others predicts them well and it badly.
+std::optional<std::size_t> stray_of(const std::vector<LensView>& views, int width_px, int height_px) {
+  constexpr auto kModel = calibration::LensModel::kRadial2;
+  const auto all = solve_lens(views, width_px, height_px, kModel);
+  if (!all) return std::nullopt;
+  const std::vector<double> bent = errors_of(views, all->lens);
+  const auto suspect = static_cast<std::size_t>(std::ranges::max_element(bent) - bent.begin());
+  std::vector<LensView> others = views;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(suspect));
+  const auto fit = solve_lens(others, width_px, height_px, kModel, all->lens.values[calibration::MeasuredLens::kFocal]);
+  if (!fit) return std::nullopt;
+  std::vector<double> usual = errors_of(others, fit->lens);
+  std::ranges::sort(usual);
+  const auto error = prediction_error_px(views[suspect], fit->lens);
+  const bool is_stray = error && *error > std::max(kMinStray_px, kStrayRatio * usual[usual.size() / 2]);
+  return is_stray ? std::optional(suspect) : std::nullopt;
+}
+
+/// Leaves out views that do not belong to the others, with a remark.
+void leave_out_strays(int width_px, int height_px, std::vector<LensView>* views, LensSelection* choice) {
+  const std::size_t max_strays = views->size() / kMaxStrayShare;
+  for (std::size_t count = 0; count < max_strays && views->size() > kMinViews; ++count) {
+    const auto stray = stray_of(*views, width_px, height_px);
+    if (!stray) return;
+    choice->remarks.push_back(
+        fmt::format("'{}' does not fit the other pictures and was left out; was it taken with another zoom, focus or "
+                    "board?",
+                    (*views)[*stray].name));
+    std::erase(choice->used, (*views)[*stray].name);
+    views->erase(views->begin() + static_cast<std::ptrdiff_t>(*stray));
+  }
+}
 
 double heldout_px(const std::vector<LensView>& views, const calibration::MeasuredLens& lens,
                   calibration::LensModel model) {
@@ -117,6 +167,7 @@ Result<LensSelection> select_lens(const std::vector<LensView>& views, int width_
                              "parts of the picture, and turn it by 20 to 45 degrees",
                              distinct.size(), views.size(), kMinViews));
   }
+  leave_out_strays(width_px, height_px, &distinct, &choice);
   double best = std::numeric_limits<double>::infinity();
   std::optional<Error> unsolved;
   std::vector<std::optional<LensFit>> fits;

@@ -23,7 +23,7 @@ struct LensSelection {
   double worst_sigma_px = 0.0;  ///< Largest standard deviation of a direction, over the picture.
   std::vector<LensTrial> trials;
   std::vector<std::string> used;     ///< Names of the views that were used.
-  std::vector<std::string> remarks;  ///< Possible improvements.
+  std::vector<std::string> remarks;  ///< Views that were left out, and possible improvements.
 };
 
 /// Returns true if `view` shows the board in a different position or orientation than all of `others`: their common
@@ -33,7 +33,8 @@ struct LensSelection {
 
 inline constexpr std::size_t kMinViews = 5;
 
-/// Fits the models pinhole, k1, k1 k2, k1 k2 p1 p2 and k1 k2 p1 p2 k3, and chooses the smallest one whose error on
+/// Leaves out views that do not belong to the others, with a remark: the lens of all others predicts them far worse
+/// than those are predicted. Then fits the models pinhole, k1, k1 k2, k1 k2 p1 p2 and k1 k2 p1 p2 k3, and chooses the smallest one whose error on
 /// left-out views is within 4 % of the best model's.
 ///
 /// Errors: kInvalidArgument for the reasons of solve_lens(); kBadData, with the remedy, if fewer than kMinViews views

@@ -88,6 +88,7 @@ Status Display::prepare() {
   TRY_ASSIGN(channel_, make_channel(options_.tour));
   describe(heads);
   footprints_ = footprints(heads);
+  const PixelDensity density = pixel_density(heads);
   ShownByHeads shown{footprints_, wanted_.shape, wanted_.stacked() == 2};
 
   keep_hours();
@@ -114,6 +115,8 @@ Status Display::prepare() {
   hello_.set_name(options_.installation.name);
   hello_.set_heads(static_cast<std::uint32_t>(options_.installation.projectors.size()));
   hello_.set_refresh_hz(options_.refresh_hz);
+  hello_.set_min_px_per_rad(density.min);
+  hello_.set_max_px_per_rad(density.max);
   to_wire(wanted_, hello_.mutable_wanted());
   if (watch_ != nullptr) watch_->run();
   return Done{};
@@ -220,8 +223,11 @@ void Display::on_message(wire::ShowMessage message) {
     if (tour_clock_.take(message.clock(), now)) mailbox_.clock.put(tour_clock_.reading(now));
     return;
   }
+  if (message.has_caption()) return take_caption(message.caption());
   if (!message.has_heading()) return assembler_->take(std::move(message));
   const wire::Heading& heading = message.heading();
+  // The first message of a stream: what another one has written is over.
+  if (heading.has_shown()) write(Caption());
   if (!std::isfinite(heading.heading_rad())) return;
   const ShowAt at = show_at_of(message);
   tour_clock_.heading_ready(at, now);
@@ -232,6 +238,18 @@ void Display::on_message(wire::ShowMessage message) {
   }
   // Heading::shown is not needed: the warps define the wall's extent, and a frame its own shape.
   mailbox_.headings.put(pose);
+}
+
+void Display::take_caption(const wire::Caption& message) {
+  auto caption = caption_of(message);
+  if (!caption) return inspection_.set_fact("caption_refused", caption.error().message());
+  write(*std::move(caption));
+}
+
+void Display::write(Caption caption) {
+  if (caption.ink.empty() && !is_written_to_) return;  // A tour that never writes costs nothing.
+  is_written_to_ = true;
+  mailbox_.captions.wanted.put(std::make_unique<Caption>(std::move(caption)));
 }
 
 void Display::frame_ready(DisplayFrame frame) {
@@ -266,6 +284,7 @@ void Display::add_drop(std::uint64_t number, const std::string& reason) {
 }
 
 void Display::free_shown() {
+  mailbox_.captions.replaced.take();
   mailbox_.retired.clear([this](const DisplayFrame& unseen) {
     const std::lock_guard lock(mutex_);
     if (unseen.order > reported_after_) add_drop(unseen.number, kPassedOver);
@@ -359,7 +378,7 @@ void Display::request_time() {
 void Display::report_refreshes() {
   while (const auto event = mailbox_.refreshes.pop()) {
     if (options_.on_refresh) options_.on_refresh(*event);
-    history_->refreshed(*event, is_awake_ && !patterns_.is_open() && !patterns_.has_notice());
+    history_->refreshed(*event, is_awake_ && !patterns_.is_open() && !patterns_.has_notice() && !event->has_caption);
     if (event->synchronised_refresh) tour_clock_.drawn_ahead(event->drawn_ahead);
     auto presented = reporter_.take(*event);
     if (!presented || stream_ == nullptr || event->frame_order <= reported_after_) continue;
@@ -424,11 +443,12 @@ void Display::publish_state() {
                     options_.tour, trouble_->message()),
         false);
   } else if (stream_ == nullptr || !stream_->is_up()) {
-    inspection_.set_state(fmt::format("Dials the tour at {}.", options_.tour), false);
+    inspection_.set_state(fmt::format("Connects to the tour at {}.", options_.tour), false);
   } else {
-    inspection_.set_state(fmt::format("Shows the tour at {}: {:.1f} frames per second{}{}.", options_.tour,
-                                      reporter_.frames_per_second(), step_sentence(), calibration_sentence()),
-                          true);
+    inspection_.set_state(
+        fmt::format("Shows the tour at {}: {:.1f} frames per second.", options_.tour, reporter_.frames_per_second()) +
+            step_sentence() + calibration_sentence(),
+        true);
   }
   const auto skew = tour_clock_.skew();
   if (!skew) return;
@@ -437,12 +457,13 @@ void Display::publish_state() {
 }
 
 std::string Display::calibration_sentence() const {
-  return misfit_ ? fmt::format("; the newest calibration is not used: {}", printable(misfit_->message(), 400)) : "";
+  return misfit_ ? fmt::format(" The newest calibration is not used: {}.", printable(misfit_->message(), 400)) : "";
 }
 
 std::string Display::step_sentence() const {
   const auto share = reporter_.synchronised_share(clock_.now());
-  return share ? fmt::format(", synchronised with the other displays in {:.2f} % of refreshes", 100.0 * *share) : "";
+  return share ? fmt::format(" It is synchronised with the other displays in {:.2f} % of refreshes.", 100.0 * *share)
+               : "";
 }
 
 }  // namespace cyclorama::display

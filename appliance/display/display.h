@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "appliance/display/calibration_watch.h"
+#include "appliance/display/caption.h"
 #include "appliance/display/frame_assembler.h"
 #include "appliance/display/make_output.h"
 #include "appliance/display/pattern_service.h"
@@ -87,6 +88,8 @@ class Display : private FrameSink {
                             const std::vector<std::string>& corrected);
   void refuse_calibration(const Error& why);
   void on_message(wire::ShowMessage message);
+  void take_caption(const wire::Caption& message);
+  void write(Caption caption);
   void frame_ready(DisplayFrame frame) override;
   void frame_dropped(std::uint64_t number, const std::string& reason) override;
   void add_drop(std::uint64_t number, const std::string& reason);  // Precondition: mutex_ is held.
@@ -131,6 +134,7 @@ class Display : private FrameSink {
   std::vector<std::string> depth_troubles_;
   std::uint64_t newest_ready_ = 0;  // DisplayFrame::order of the newest frame that was handed over.
 
+  bool is_written_to_ = false;             // Used by the stream's messages only: there was a caption.
   std::vector<HeadFootprint> footprints_;  // Footprints of the heads in use, or of those that will be used next.
   std::optional<Error> misfit_;            // Set while the newest calibration is refused.
   std::optional<Error> loss_;              // Set while there is no output.

@@ -257,6 +257,7 @@ void FrameAssembler::take(wire::ShowMessage message) {
       return end(message.end(), show_at_of(message));
     case wire::ShowMessage::kHeading:
     case wire::ShowMessage::kClock:
+    case wire::ShowMessage::kCaption:
     case wire::ShowMessage::MESSAGE_NOT_SET:
       CHECK(false);
   }

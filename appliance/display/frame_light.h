@@ -23,7 +23,8 @@ class FrameLight {
 
   /// Runs each shader once, on a few pixels, because drivers compile a shader when it is first used.
   Status warm_up(const PictureShape& shape);
-  /// Takes a new frame, and shows it from its own eye; one that refines its predecessor begins to fade in. Errors: kSystem if the graphics card refuses the picture.
+  /// Takes a new frame, and shows it from its own eye; one that refines its predecessor begins to fade in. Errors:
+  /// kSystem if the graphics card refuses the picture.
   Status take(const DisplayFrame& frame);
   /// Shows the newest frame from an eye that has moved by `eye_m` (ReprojectionMesh::move()); zero: from its own eye.
   /// Precondition: the last take() was of `frame`; frame.mesh is set unless the move is zero. Errors: those of take().

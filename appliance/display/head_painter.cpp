@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -49,6 +51,58 @@ Eigen::Matrix3d turning(const PictureShape& shape, double turn_rad, const Eigen:
   return to_texture * turn * Eigen::Vector3d(1.0, 1.0, -1.0).asDiagonal();
 }
 
+/// Scale and offset from a position (across, up) to the texture of a turned panorama, before it wraps; in the units of
+/// the shader, which are the texture's size, or pixels from the centre of its first pixel. In other pictures the turn is
+/// not included.
+struct InTexture {
+  Eigen::Vector2d per_position;
+  Eigen::Vector2d at_origin;
+  double width = 1.0;  ///< Pixels of a unit.
+  double height = 1.0;
+  double zero = 0.0;     ///< Pixel at 0.
+  double first_row = 0;  ///< First row of the eye's picture: the right eye's lies below the left eye's.
+  bool wraps = false;    ///< A whole turn, of which across counts the turns.
+  double turn_px = 0.0;
+};
+InTexture in_texture(const TurnedPicture& turned, Eye eye) {
+  const PictureShape& shape = turned.picture->shape();
+  const PixelScale scale = pixel_scale(shape);
+  const auto* const panorama = std::get_if<Panorama>(&shape);
+  const double shift_px = panorama != nullptr ? turned.yaw_shift_rad * scale.u_per_across : 0.0;
+  const bool counts_pixels = turned.picture->texels() == Texels::kPacked;
+  InTexture in;
+  in.width = counts_pixels ? 1.0 : turned.picture->texture_width();
+  in.height = counts_pixels ? 1.0 : turned.picture->texture_height();
+  in.zero = counts_pixels ? 0.5 : 0.0;
+  in.first_row = eye == Eye::kRight && turned.picture->stacked() == 2 ? height_px(shape) : 0;
+  in.wraps = panorama != nullptr && is_whole_turn(*panorama);
+  in.turn_px = 2.0 * std::numbers::pi * scale.u_per_across;
+  in.per_position = {scale.u_per_across / in.width, scale.v_per_up / in.height};
+  in.at_origin = {(scale.u_offset + shift_px + PanoramaTexture::kFirstColumn - in.zero) / in.width,
+                  (scale.v_offset + in.first_row - in.zero) / in.height};
+  if (in.wraps) {
+    in.per_position.x() = scale.u_per_across / in.turn_px;
+    in.at_origin.x() = (scale.u_offset + shift_px) / in.turn_px;
+  }
+  return in;
+}
+
+/// Returns a caption's coordinates of a position in the picture; NaN where it has none.
+Eigen::Vector2d on_caption(const PictureShape& picture, const Eigen::Matrix3d& to_caption, const PicturePlace& place) {
+  Eigen::Vector3d seen(place.across, place.up, 1.0);
+  if (std::holds_alternative<Fisheye>(picture))
+    seen = R_eye_picture(picture).transpose() * direction_of(picture, place).normalized();
+  const Eigen::Vector3d at = to_caption * seen;
+  return at.z() > 0.0 ? Eigen::Vector2d(at.head<2>() / at.z())
+                      : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+}
+
+/// Width of a whole turn in captions; very large in pictures of which no position has a second one.
+double caption_turn(const PictureShape& picture, double caption_width) {
+  constexpr double kNever = 1e6;
+  return std::holds_alternative<Panorama>(picture) ? 2.0 * std::numbers::pi / caption_width : kNever;
+}
+
 }  // namespace
 
 Texels texels_for(const output::Gl& gl, const std::vector<HeadPlan>& plans) {
@@ -75,7 +129,9 @@ HeadPainter::HeadPainter(const output::Gl& gl, const HeadUpload& upload, Texels 
       mask_(gl),
       map_(gl),
       response_(gl),
-      texels_(texels) {
+      texels_(texels),
+      features_(upload.features),
+      grid_(upload.grid) {
   set_depth(upload.depth_bits);
 }
 
@@ -156,31 +212,15 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
   const auto picture = [&](const HeadProgram::Picture& uniforms, const TurnedPicture& turned, GLenum unit) {
     const PictureShape& shape = turned.picture->shape();
     CHECK(has_same_places(shape, picture_));
-    const PixelScale scale = pixel_scale(shape);
-    const auto* const panorama = std::get_if<Panorama>(&shape);
-    const bool wraps = panorama != nullptr && is_whole_turn(*panorama);
-    const double shift_px = panorama != nullptr ? turned.yaw_shift_rad * scale.u_per_across : 0.0;
-    const double turn_px = 2.0 * std::numbers::pi * scale.u_per_across;
     CHECK(turned.picture->texels() == texels_);
+    const InTexture in = in_texture(turned, eye);
+    const auto* const panorama = std::get_if<Panorama>(&shape);
     gl_->Uniform2f(uniforms.per_texel, 1.0f / static_cast<float>(turned.picture->texture_width()),
                    1.0f / static_cast<float>(turned.picture->texture_height()));
-    // The shader's positions are in units of the texture's size, or in pixels from the centre of its first pixel.
-    const bool counts_pixels = texels_ == Texels::kPacked;
-    const double width = counts_pixels ? 1.0 : turned.picture->texture_width();
-    const double height = counts_pixels ? 1.0 : turned.picture->texture_height();
-    const double zero = counts_pixels ? 0.5 : 0.0;
     constexpr double kFirst = PanoramaTexture::kFirstColumn;
-    // The right eye's picture lies below the left eye's.
-    const double first_row = eye == Eye::kRight && turned.picture->stacked() == 2 ? height_px(shape) : 0;
-    // Scale and offset from a position (across, up) to the texture.
-    Eigen::Vector2d per_position(scale.u_per_across / width, scale.v_per_up / height);
-    Eigen::Vector2d at_origin((scale.u_offset + shift_px + kFirst - zero) / width,
-                              (scale.v_offset + first_row - zero) / height);
-    if (wraps) {
-      per_position.x() = scale.u_per_across / turn_px;
-      at_origin.x() = (scale.u_offset + shift_px) / turn_px;
-      gl_->Uniform3f(uniforms.turn, 1.0f, static_cast<float>(turn_px / width),
-                     static_cast<float>((kFirst - zero) / width));
+    if (in.wraps) {
+      gl_->Uniform3f(uniforms.turn, 1.0f, static_cast<float>(in.turn_px / in.width),
+                     static_cast<float>((kFirst - in.zero) / in.width));
     } else {
       gl_->Uniform3f(uniforms.turn, 0.0f, 1.0f, 0.0f);
     }
@@ -188,14 +228,15 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
       gl_->Uniform4f(uniform, static_cast<float>(x), static_cast<float>(y), static_cast<float>(z),
                      static_cast<float>(w));
     };
-    set(uniforms.to_texture, per_position.x(), per_position.y(), at_origin.x(), at_origin.y());
+    set(uniforms.to_texture, in.per_position.x(), in.per_position.y(), in.at_origin.x(), in.at_origin.y());
     if (panorama == nullptr) {
-      const Eigen::Matrix3f matrix = turning(shape, turned.yaw_shift_rad, per_position, at_origin).cast<float>();
+      const Eigen::Matrix3f matrix = turning(shape, turned.yaw_shift_rad, in.per_position, in.at_origin).cast<float>();
       gl_->UniformMatrix3fv(uniforms.turned, 1, GL_FALSE, matrix.data());  // Column by column, as GL expects.
     }
-    const double beyond = wraps ? 0.5 : -0.5;  // The outer columns of a whole turn repeat the opposite side.
-    set(uniforms.edges, (kFirst - beyond - zero) / width, (first_row + 0.5 - zero) / height,
-        (kFirst + width_px(shape) + beyond - zero) / width, (first_row + height_px(shape) - 0.5 - zero) / height);
+    const double beyond = in.wraps ? 0.5 : -0.5;  // The outer columns of a whole turn repeat the opposite side.
+    set(uniforms.edges, (kFirst - beyond - in.zero) / in.width, (in.first_row + 0.5 - in.zero) / in.height,
+        (kFirst + width_px(shape) + beyond - in.zero) / in.width,
+        (in.first_row + height_px(shape) - 0.5 - in.zero) / in.height);
     gl_->ActiveTexture(GL_TEXTURE0 + unit);
     gl_->BindTexture(GL_TEXTURE_2D, turned.picture->id());
   };
@@ -213,13 +254,104 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
   }
 }
 
-void HeadPainter::draw_for(Eye eye, const TurnedPicture& shown, const TurnedPicture* other, double fade,
-                           bool edges) const {
+Status HeadPainter::set_caption(HeadPrograms* programs, const Caption* caption) {
+  caption_box_ = {};
+  if (caption == nullptr) return Done{};
+  to_caption_ = to_caption(picture_, *caption);
+  caption_size_ = {caption->width, caption->height};
+  constexpr int kColumns = HeadUpload::kGridColumns;
+  constexpr int kRows = HeadUpload::kGridRows;
+  const double turn = caption_turn(picture_, caption->width);
+  int left = kColumns;
+  int right = -1;
+  int top = kRows;
+  int bottom = -1;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      Eigen::AlignedBox2d cell;
+      for (const int corner : {0, 1, 2, 3}) {
+        const auto index = static_cast<std::size_t>((row + corner / 2) * (kColumns + 1) + column + corner % 2);
+        Eigen::Vector2d at = on_caption(picture_, to_caption_, grid_[index]);
+        at.x() -= turn * std::floor((at.x() - 0.5) / turn + 0.5);
+        if (at.allFinite()) cell.extend(at);
+      }
+      if (cell.isEmpty()) continue;
+      // Between its corners, a cell may reach farther than they do.
+      const Eigen::Vector2d more = 0.25 * cell.sizes();
+      cell.min() -= more;
+      cell.max() += more;
+      if (!cell.intersects(Eigen::AlignedBox2d(Eigen::Vector2d::Zero(), Eigen::Vector2d::Ones()))) continue;
+      left = std::min(left, column);
+      right = std::max(right, column);
+      top = std::min(top, row);
+      bottom = std::max(bottom, row);
+    }
+  }
+  if (right < left) return Done{};
+  const auto at = [](int cell, int cells, int px) { return (cell * px) / cells; };
+  const int x = at(left, kColumns, width_px_);
+  const int y = height_px_ - at(bottom + 1, kRows, height_px_);
+  caption_box_ = {x, y, at(right + 1, kColumns, width_px_) - x, height_px_ - at(top, kRows, height_px_) - y};
+  if (caption_program_ != nullptr) return Done{};
+  HeadFeatures features = features_;
+  features.texels = texels_;
+  // One program for all cases: it draws little.
+  features.mask = features.edges = features.fade = features.caption = true;
+  TRY_ASSIGN(caption_program_, programs->get(features));
+  return Done{};
+}
+
+void HeadPainter::use_caption(const HeadProgram& program, const TurnedPicture& shown, Eye eye,
+                              const ShownCaption& caption) const {
+  const PictureShape& shape = shown.picture->shape();
+  const InTexture in = in_texture(shown, eye);
+  Eigen::Matrix3d matrix = to_caption_;
+  if (std::holds_alternative<Panorama>(shape)) {
+    Eigen::Matrix3d to_place;
+    to_place << 1.0 / in.per_position.x(), 0.0, -in.at_origin.x() / in.per_position.x(),  //
+        0.0, 1.0 / in.per_position.y(), -in.at_origin.y() / in.per_position.y(),          //
+        0.0, 0.0, 1.0;
+    matrix = to_caption_ * to_place;
+  } else if (std::holds_alternative<Perspective>(shape)) {
+    matrix = to_caption_ * turning(shape, shown.yaw_shift_rad, in.per_position, in.at_origin).inverse();
+  }
+  const Eigen::Matrix3f rounded = matrix.cast<float>();
+  gl_->UniformMatrix3fv(program.to_caption, 1, GL_FALSE, rounded.data());
+  gl_->Uniform1f(program.caption_turn, static_cast<float>(caption_turn(picture_, caption_size_.x())));
+  const auto width = static_cast<float>(caption.texture_width_px);
+  const auto height = static_cast<float>(caption.texture_height_px);
+  gl_->Uniform4f(program.caption_part, static_cast<float>(caption.width_px) / width,
+                 static_cast<float>(caption.height_px) / height, 0.5f / width, 0.5f / height);
+  // The edge is soft over a few pixels of the ink, which has a margin.
+  constexpr float kSoftPx = 6.0f;
+  gl_->Uniform2f(program.caption_edge, static_cast<float>(caption.width_px) / kSoftPx,
+                 static_cast<float>(caption.height_px) / kSoftPx);
+  gl_->Uniform1f(program.caption_share, static_cast<float>(caption.share));
+  gl_->ActiveTexture(GL_TEXTURE0 + HeadProgram::kCaption);
+  gl_->BindTexture(GL_TEXTURE_2D, caption.texture);
+}
+
+void HeadPainter::draw_for(Eye eye, const Pass& pass, int x_px, int y_px) const {
+  const auto elements = [this](GLsizei first, GLsizei count) {
+    gl_->DrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT,
+                      reinterpret_cast<const void*>(static_cast<std::size_t>(first) * sizeof(std::uint32_t)));
+  };
+  if (pass.caption != nullptr) {
+    const TurnedPicture& other = pass.other == nullptr ? *pass.shown : *pass.other;
+    use(*caption_program_, *pass.shown, &other, pass.fade, eye);
+    use_caption(*caption_program_, *pass.shown, eye, *pass.caption);
+    if (pass.is_cut) {
+      gl_->Enable(GL_SCISSOR_TEST);
+      gl_->Scissor(x_px + caption_box_.x, y_px + caption_box_.y, caption_box_.width, caption_box_.height);
+    }
+    elements(0, parts_[0].count + parts_[1].count);
+    gl_->Disable(GL_SCISSOR_TEST);
+    return;
+  }
   for (const Part& part : parts_) {
     if (part.count == 0) continue;
-    use(*part.programs[edges ? 1 : 0][other == nullptr ? 0 : 1], shown, other, fade, eye);
-    gl_->DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT,
-                      reinterpret_cast<const void*>(static_cast<std::size_t>(part.first) * sizeof(std::uint32_t)));
+    use(*part.programs[pass.edges ? 1 : 0][pass.other == nullptr ? 0 : 1], *pass.shown, pass.other, pass.fade, eye);
+    elements(part.first, part.count);
   }
 }
 
@@ -228,7 +360,7 @@ void HeadPainter::clear() const {
   gl_->Clear(GL_COLOR_BUFFER_BIT);
 }
 
-void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges, Eye now) const {
+void HeadPainter::draw(const Pass& pass, Eye now) const {
   const auto bind = [&](GLenum unit, const output::GlTexture& texture) {
     gl_->ActiveTexture(GL_TEXTURE0 + unit);
     gl_->BindTexture(GL_TEXTURE_2D, texture.id());
@@ -237,38 +369,53 @@ void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture* other, d
   bind(HeadProgram::kMap, map_);
   bind(HeadProgram::kResponse, response_);
   gl_->BindVertexArray(mesh_.id());
-  if (!packing_ || takes_turns()) return draw_for(packing_ ? now : Eye::kLeft, shown, other, fade, edges);
+  if (!packing_ || takes_turns()) return draw_for(packing_ ? now : Eye::kLeft, pass, 0, 0);
   const bool is_beside = packing_ == StereoPacking::kSideBySide;
   const int head_width = is_beside ? 2 * width_px_ : width_px_;
   const int head_height = is_beside ? height_px_ : 2 * height_px_;
   for (const Eye eye : {Eye::kLeft, Eye::kRight}) {
     const HeadPart part = part_of_eye(*packing_, eye, head_width, head_height);
-    gl_->Viewport(part.x_px, head_height - part.y_px - part.height_px, part.width_px, part.height_px);
-    draw_for(eye, shown, other, fade, edges);
+    const int y_px = head_height - part.y_px - part.height_px;
+    gl_->Viewport(part.x_px, y_px, part.width_px, part.height_px);
+    draw_for(eye, pass, part.x_px, y_px);
   }
 }
 
-void HeadPainter::draw(const TurnedPicture& shown, Eye now) const {
-  clear();
-  draw(shown, nullptr, 0.0, needs_edges(shown), now);
+void HeadPainter::draw_both(const Pass& pass, Eye now, const ShownCaption* caption) const {
+  draw(pass, now);
+  if (caption == nullptr || caption_box_.empty()) return;
+  Pass over = pass;
+  over.caption = caption;
+  over.is_cut = true;
+  draw(over, now);
 }
 
-void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const {
+void HeadPainter::draw(const TurnedPicture& shown, Eye now, const ShownCaption* caption) const {
   clear();
-  draw(shown, &other, fade, needs_edges(shown) || needs_edges(other), now);
+  draw_both({&shown, nullptr, 0.0, needs_edges(shown)}, now, caption);
 }
 
-void HeadPainter::draw_over(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const {
-  draw(shown, &other, fade, needs_edges(shown) || needs_edges(other), now);
+void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now,
+                       const ShownCaption* caption) const {
+  clear();
+  draw_both({&shown, &other, fade, needs_edges(shown) || needs_edges(other)}, now, caption);
+}
+
+void HeadPainter::draw_over(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now,
+                            const ShownCaption* caption) const {
+  Pass pass{&shown, &other, fade, needs_edges(shown) || needs_edges(other)};
+  // The part that the caption covers must not be blended twice.
+  if (!caption_box_.empty()) pass.caption = caption;
+  draw(pass, now);
 }
 
 void HeadPainter::warm_up(const TurnedPicture& shown, const TurnedPicture& other,
                           const std::function<void()>& stepped) const {
   clear();
   for (const bool edges : {false, true}) {
-    draw(shown, nullptr, 0.0, edges, Eye::kLeft);
+    draw(Pass{&shown, nullptr, 0.0, edges}, Eye::kLeft);
     stepped();
-    draw(shown, &other, 1.0, edges, Eye::kLeft);
+    draw(Pass{&shown, &other, 1.0, edges}, Eye::kLeft);
     stepped();
   }
 }

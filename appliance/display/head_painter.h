@@ -4,8 +4,10 @@
 #include <array>
 #include <functional>
 
+#include "appliance/display/caption.h"
 #include "appliance/display/head_upload.h"
 #include "appliance/display/panorama_texture.h"
+#include "common/image/pixel_rect.h"
 
 namespace cyclorama::display {
 
@@ -35,15 +37,21 @@ class HeadPainter {
   /// Replaces the plan's number of bits per code value, after another device was connected. Precondition: in [1, 16].
   void set_depth(int depth_bits);
 
+  /// Prepares for drawing a caption; null: there is none. The first caption makes a program, and the driver may need
+  /// time for it. Errors: kSystem if the driver's compiler refuses it.
+  Status set_caption(HeadPrograms* programs, const Caption* caption);
+
   /// Draws into the bound framebuffer. Pixels without a position in the warp become black. Positions beyond the picture
   /// show its edge; a panorama of a whole turn has no edge in azimuth. A stereo head shows both eyes' pictures, or only
   /// that of `now` if the eyes alternate; a picture for one eye is shown to both. Precondition: the pictures have the
-  /// kind and tilt of the plan's picture.
-  void draw(const TurnedPicture& shown, Eye now = Eye::kLeft) const;
+  /// kind and tilt of the plan's picture; `caption`, which may be null, is the one of set_caption().
+  void draw(const TurnedPicture& shown, Eye now = Eye::kLeft, const ShownCaption* caption = nullptr) const;
   /// Draws two pictures, mixed in linear light: `fade` in [0, 1] is the share of `other`.
-  void draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now = Eye::kLeft) const;
+  void draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now = Eye::kLeft,
+            const ShownCaption* caption = nullptr) const;
   /// Draws like draw() with `fade`, but blends the result over the framebuffer's content.
-  void draw_over(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const;
+  void draw_over(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now,
+                 const ShownCaption* caption = nullptr) const;
   /// Draws with every program once, because drivers compile a program when it is first used.
   void warm_up(const TurnedPicture& shown, const TurnedPicture& other, const std::function<void()>& stepped) const;
   /// True if the eyes alternate, so that the drawing depends on the refresh.
@@ -61,9 +69,20 @@ class HeadPainter {
   void upload_triangles(const HeadUpload& upload);
   void upload_textures(const HeadUpload& upload);
   void clear() const;
-  /// `edges`: the pictures' edges must be respected.
-  void draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges, Eye now) const;
-  void draw_for(Eye eye, const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges) const;
+  /// One drawing of the whole head, or of the part that the caption covers.
+  struct Pass {
+    const TurnedPicture* shown = nullptr;
+    const TurnedPicture* other = nullptr;  ///< Null: one picture.
+    double fade = 0.0;
+    bool edges = false;                     ///< The pictures' edges must be respected.
+    const ShownCaption* caption = nullptr;  ///< Null: without it.
+    bool is_cut = false;                    ///< Only the part that the caption covers.
+  };
+  /// Draws the head, and then once more what the caption covers, with it.
+  void draw_both(const Pass& pass, Eye now, const ShownCaption* caption) const;
+  void draw(const Pass& pass, Eye now) const;
+  void draw_for(Eye eye, const Pass& pass, int x_px, int y_px) const;
+  void use_caption(const HeadProgram& program, const TurnedPicture& shown, Eye eye, const ShownCaption& caption) const;
   void use(const HeadProgram& program, const TurnedPicture& shown, const TurnedPicture* other, double fade,
            Eye eye) const;
 
@@ -81,7 +100,13 @@ class HeadPainter {
   output::GlTexture map_;
   output::GlTexture response_;
   Texels texels_;
-  std::array<Part, 2> parts_;  // Fully lit triangles, then those that need the mask.
+  std::array<Part, 2> parts_;                     // Fully lit triangles, then those that need the mask.
+  HeadFeatures features_;                         // Features that all parts have.
+  HeadUpload::Grid grid_;                         // Copy of HeadUpload::grid.
+  const HeadProgram* caption_program_ = nullptr;  // Null before the first caption.
+  Eigen::Matrix3d to_caption_ = Eigen::Matrix3d::Identity();
+  PixelRect caption_box_;  // Pixels of the head around the caption, in rows from the bottom; empty: there is none.
+  Eigen::Vector2d caption_size_ = Eigen::Vector2d::Ones();
 };
 
 }  // namespace cyclorama::display

@@ -32,11 +32,14 @@ vec2 at_of(vec3 seen, vec4 to_texture, mat3 turned) { return seen.xy / seen.z; }
 #define SEEN vec2
 #ifdef FISHEYE
 vec2 seen_of(vec2 place, vec4 to_texture, mat3 turned) { return place; }
-vec2 at_of(vec2 seen, vec4 to_texture, mat3 turned) {
+vec3 direction_of(vec2 seen) {
   float x = 0.25 * dot(seen, seen);
   float s = (((2.60510764e-06 * x - 0.000198090174) * x + 0.00833305017) * x - 0.166666579) * x + 0.999999996;
   float t = min(x * s * s, 1.0);
-  vec3 direction = turned * vec3(seen * (s * sqrt(1.0 - t)), 2.0 * t - 1.0);
+  return vec3(seen * (s * sqrt(1.0 - t)), 2.0 * t - 1.0);
+}
+vec2 at_of(vec2 seen, vec4 to_texture, mat3 turned) {
+  vec3 direction = turned * direction_of(seen);
   float u = clamp(0.5 + 0.5 * direction.z, 0.0, 0.9999999);
   float w = min(u, 1.0 - u);
   float p = ((((((0.109673983 * w - 0.0900862168) * w + 0.0755397539) * w + 0.0167313889) * w + 0.0464808495) * w
@@ -127,6 +130,23 @@ uniform mat3 matrix;
 uniform vec3 black;
 uniform vec2 response;
 uniform float code_step;
+#ifdef CAPTION
+uniform highp sampler2D caption;
+uniform mat3 to_caption;
+uniform float caption_turn;
+uniform vec4 caption_part;
+uniform vec2 caption_edge;
+uniform float caption_share;
+// Light of the letters, and the part of the picture's light that the plate leaves: see caption.h.
+vec3 captioned(vec3 light, vec3 seen) {
+  vec2 at = seen.xy / seen.z;
+  at.x -= caption_turn * floor((at.x - 0.5) / caption_turn + 0.5);
+  vec2 inside = (0.5 - abs(at - 0.5)) * caption_edge;
+  float plate = seen.z > 0.0 ? clamp(min(inside.x, inside.y), 0.0, 1.0) * caption_share : 0.0;
+  float ink = texture(caption, clamp(at * caption_part.xy, caption_part.zw, caption_part.xy - caption_part.zw)).r;
+  return mix(light * (1.0 - 0.94 * plate), vec3(0.85), ink * plate);
+}
+#endif
 EVEN in vec3 on_head;
 #ifdef PATCHES
 EVEN in vec2 along;
@@ -190,6 +210,13 @@ void main() {
 #ifdef FADE
   light = mix(light, light_at(other_picture, other_at, other_turn, other_edges, other_per_texel), fade);
 #endif
+#if defined(CAPTION) && !defined(FISHEYE)
+  light = captioned(light, to_caption * vec3(at, 1.0));
+#elif defined(CAPTION) && (defined(PATCHES) || defined(PIXEL_MAP))
+  light = captioned(light, to_caption * direction_of(direction));
+#elif defined(CAPTION)
+  light = captioned(light, to_caption * direction_of(seen));
+#endif
 #ifdef MASK
   vec2 weight = texture(mask, on_head.xy).rg;
   light *= weight.r;
@@ -246,6 +273,7 @@ std::string with_features(const HeadFeatures& features, const char* shader) {
   define(features.response, "RESPONSE");
   define(features.dither, "DITHER");
   define(features.fade, "FADE");
+  define(features.caption, "CAPTION");
   return source + kWarpSource + shader;
 }
 
@@ -266,12 +294,18 @@ Result<HeadProgram> HeadProgram::make(const output::Gl& gl, const HeadFeatures& 
   program.black = uniform("black");
   program.response = uniform("response");
   program.step = uniform("code_step");
+  program.to_caption = uniform("to_caption");
+  program.caption_turn = uniform("caption_turn");
+  program.caption_part = uniform("caption_part");
+  program.caption_edge = uniform("caption_edge");
+  program.caption_share = uniform("caption_share");
   gl.UseProgram(program.id());
   gl.Uniform1i(uniform("picture"), kPicture);
   gl.Uniform1i(uniform("other_picture"), kOther);
   gl.Uniform1i(uniform("mask"), kMask);
   gl.Uniform1i(uniform("pixel_map"), kMap);
   gl.Uniform1i(uniform("responses"), kResponse);
+  gl.Uniform1i(uniform("caption"), kCaption);
   TRY(gl.check("preparing a warp shader"));
   return program;
 }

@@ -35,7 +35,8 @@ struct HeadFeatures {
   bool matrix = false;
   bool response = false;  ///< The code values come from a table; false: from the sRGB curve.
   bool dither = false;
-  bool fade = false;  ///< Two pictures are mixed.
+  bool fade = false;     ///< Two pictures are mixed.
+  bool caption = false;  ///< A caption is drawn over the picture.
 
   friend auto operator<=>(const HeadFeatures&, const HeadFeatures&) = default;
 };
@@ -48,7 +49,7 @@ class HeadProgram {
   /// Errors: kSystem if the driver's compiler refuses the shader, with its message.
   static Result<HeadProgram> make(const output::Gl& gl, const HeadFeatures& features);
 
-  enum Unit : GLint { kPicture, kOther, kMask, kMap, kResponse };
+  enum Unit : GLint { kPicture, kOther, kMask, kMap, kResponse, kCaption };
   static constexpr GLuint kPosition = 0;  ///< Attribute: position in clip space.
   /// Attribute: azimuth and tangent of elevation, or the position in another projection. With kPatches: s, t.
   static constexpr GLuint kDirection = 1;
@@ -70,12 +71,17 @@ class HeadProgram {
   };
   Picture picture;
   Picture other;
-  GLint fade = -1;      ///< Share of the other picture.
-  GLint per_px = -1;    ///< 1 / the head's size.
-  GLint matrix = -1;    ///< Colour matrix, column by column.
-  GLint black = -1;     ///< Black level of the other projectors, in linear light.
-  GLint response = -1;  ///< Scale and offset from light to the table: (steps - 1) / steps, 0.5 / steps.
-  GLint step = -1;      ///< Step of the output's code values; 1 / 255 for 8 bits.
+  GLint fade = -1;        ///< Share of the other picture.
+  GLint per_px = -1;      ///< 1 / the head's size.
+  GLint matrix = -1;      ///< Colour matrix, column by column.
+  GLint black = -1;       ///< Black level of the other projectors, in linear light.
+  GLint response = -1;    ///< Scale and offset from light to the table: (steps - 1) / steps, 0.5 / steps.
+  GLint to_caption = -1;  ///< Matrix to the caption, from `at`; with kFisheye from the direction in the picture's axes.
+  GLint caption_turn = -1;  ///< Width of a whole turn in captions; very large where the picture has none.
+  GLint caption_part = -1;  ///< Size of the caption in its texture, then half a texel.
+  GLint caption_edge = -1;  ///< 1 / the width of the plate's soft edge, as a part of the caption.
+  GLint caption_share = -1;
+  GLint step = -1;  ///< Step of the output's code values; 1 / 255 for 8 bits.
 
  private:
   HeadProgram(output::GlProgram program, const HeadFeatures& features)

@@ -10,8 +10,8 @@
 namespace cyclorama::display {
 
 /// Reads a drawn head back for a watcher without waiting for the graphics card: the card copies the pixels to a buffer
-/// while further refreshes pass, and each later step converts a part of them, so that no refresh gets late for a watcher.
-/// Move-only; thread-bound to the GL context, which it borrows. Allocates only when made.
+/// while further refreshes pass, and each later step converts a part of them, so that no refresh gets late for a
+/// watcher. Move-only; thread-bound to the GL context, which it borrows. Allocates only when made.
 class HeadReadBack {
  public:
   HeadReadBack(const output::Gl& gl, int width_px, int height_px);

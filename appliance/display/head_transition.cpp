@@ -22,6 +22,7 @@ Status HeadTransition::add_painter(HeadSet* set) {
   const std::size_t head = set->painters.size();
   TRY_ASSIGN(HeadPainter painter, HeadPainter::make(gl_, &programs_, set->uploads[head], texels_));
   painter.set_depth(depths_bits_[head]);
+  TRY(painter.set_caption(&programs_, caption_));
   set->painters.push_back(std::move(painter));
   return Done{};
 }
@@ -55,7 +56,7 @@ bool HeadTransition::is_ready(TimePoint now, std::uint64_t newest_frame) const {
 }
 
 void HeadTransition::draw(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, double share,
-                          Eye eye) const {
+                          Eye eye, const ShownCaption* caption) const {
   const HeadPainter& painter = now_->painters[head];
   const bool is_blending = next_ != nullptr && began_at_ != TimePoint{};
   if (is_blending) {
@@ -64,18 +65,27 @@ void HeadTransition::draw(std::size_t head, const TurnedPicture& shown, const Tu
     gl_.Enable(GL_BLEND);
     gl_.BlendColor(0.0f, 0.0f, 0.0f, 1.0f - of_next);
     gl_.BlendFunc(GL_CONSTANT_ALPHA, GL_ZERO);
-    painter.draw(shown, attract, share, eye);
+    painter.draw(shown, attract, share, eye, caption);
     gl_.BlendColor(0.0f, 0.0f, 0.0f, of_next);
     gl_.BlendFunc(GL_CONSTANT_ALPHA, GL_ONE);
-    next_->painters[head].draw_over(shown, attract, share, eye);
+    next_->painters[head].draw_over(shown, attract, share, eye, caption);
     gl_.Disable(GL_BLEND);
   } else if (share <= 0.0) {
-    painter.draw(shown, eye);
+    painter.draw(shown, eye, caption);
   } else if (share >= 1.0) {
-    painter.draw(attract, eye);
+    painter.draw(attract, eye, caption);
   } else {
-    painter.draw(shown, attract, share, eye);
+    painter.draw(shown, attract, share, eye, caption);
   }
+}
+
+Status HeadTransition::set_caption(const Caption* caption) {
+  caption_ = caption;
+  for (HeadSet* const set : {now_.get(), next_.get()}) {
+    if (set == nullptr) continue;
+    for (HeadPainter& painter : set->painters) TRY(painter.set_caption(&programs_, caption));
+  }
+  return Done{};
 }
 
 void HeadTransition::warm_up(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract,

@@ -31,7 +31,11 @@ class HeadTransition {
 
   [[nodiscard]] const std::vector<HeadPainter>& painters() const { return now_->painters; }
   /// Draws a head's present picture (see HeadPainter::draw()). Precondition: the head's framebuffer is bound.
-  void draw(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, double share, Eye eye) const;
+  void draw(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, double share, Eye eye,
+            const ShownCaption* caption = nullptr) const;
+  /// Prepares all painters, also later ones, for drawing the caption, which is borrowed; null: there is none. Errors:
+  /// kSystem if the driver's compiler refuses a program.
+  Status set_caption(const Caption* caption);
   [[nodiscard]] std::size_t count() const { return depths_bits_.size(); }
   [[nodiscard]] int depth_bits(std::size_t head) const { return depths_bits_[head]; }
   void set_depth(std::size_t head, int depth_bits);
@@ -57,6 +61,7 @@ class HeadTransition {
   std::unique_ptr<HeadSet> next_;  // Null except during a transition.
   TimePoint began_at_{};           // Time when the blend began; zero: it has not begun.
   double share_ = 0.0;             // Share of the next set in the blend.
+  const Caption* caption_ = nullptr;
 };
 
 }  // namespace cyclorama::display

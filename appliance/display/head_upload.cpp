@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "appliance/display/lit_rects.h"
 #include "appliance/display/lit_triangles.h"
@@ -157,6 +158,16 @@ HeadUpload::HeadUpload(const HeadPlan& plan)
       ret_row->push_back(static_cast<float>(direction.azimuth_rad));
       ret_row->push_back(static_cast<float>(direction.tan_elevation));
     });
+  }
+  std::size_t corner = 0;
+  for (int row = 0; row <= kGridRows; ++row) {
+    for (int column = 0; column <= kGridColumns; ++column) {
+      constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+      const auto direction =
+          direction_at(plan.warp, (width_px - 1) * column / kGridColumns, (height_px - 1) * row / kGridRows);
+      grid[corner++] =
+          direction ? PicturePlace{direction->azimuth_rad, direction->tan_elevation} : PicturePlace{kNone, kNone};
+    }
   }
   if (plan.colour.response) {
     for (const warp::ResponseCurve& curve : *plan.colour.response) {

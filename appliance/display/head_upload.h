@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -8,6 +10,7 @@
 #include "appliance/warp/blend_mask.h"
 #include "appliance/warp/head_colour.h"
 #include "appliance/warp/pixel_map.h"
+#include "common/geometry/picture_place.h"
 #include "common/geometry/projection.h"
 #include "common/room/stereo.h"
 
@@ -39,6 +42,11 @@ struct HeadUpload {
     std::vector<float> values;  ///< Empty: the texture is not needed.
   };
 
+  static constexpr int kGridColumns = 48;
+  static constexpr int kGridRows = 27;
+  /// An array, so that a painter keeps a copy without allocating.
+  using Grid = std::array<PicturePlace, static_cast<std::size_t>((kGridColumns + 1) * (kGridRows + 1))>;
+
   int width_px;
   int height_px;
   PictureShape picture;
@@ -52,6 +60,9 @@ struct HeadUpload {
   std::size_t wholly_lit = 0;          ///< Number of indices that belong to fully lit triangles.
   PerPixel mask;
   PerPixel map;
+  /// Positions in the picture at the corners of kGridColumns x kGridRows cells of the head, in rows from the top; NaN
+  /// where there is none.
+  Grid grid{};
   std::vector<float> response;  ///< kResponseSteps codes of red, then of green, then of blue; empty: sRGB.
 
   /// Number of steps of the response. The nearest step is within a 20th of a code value on an sRGB curve; ./bench.sh

@@ -129,7 +129,7 @@ std::uint64_t PatternService::put(bool is_open, std::vector<PatternWall::Head> h
   return put_locked(is_open, std::move(heads));
 }
 
-/// Ends the stream's walls.
+/// Shows the notice, or the show again, after a stream of patterns has ended.
 std::uint64_t PatternService::put_notice() {
   const std::lock_guard lock(putting_);
   is_stream_putting_ = false;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "appliance/display/atomic_slot.h"
+#include "appliance/display/caption_layer.h"
 #include "appliance/display/event_ring.h"
 #include "appliance/display/frame.h"
 #include "appliance/display/head_set.h"
@@ -40,7 +41,8 @@ struct RefreshEvent {
   std::int64_t heading_shutter_ns = 0;  ///< Shutter time of a heading that this refresh shows first; else 0.
   bool is_past_guard = false;
   double attract_share = 0.0;  ///< 1: only the attract picture is visible.
-  double cut_share = 0.0;      ///< Share of the place that a cut leaves; 0: no cut is being shown.
+  double cut_share = 0.0;      ///< Weight of the place that a cut leaves; 0: no cut is being shown.
+  bool has_caption = false;    ///< Something is written on the wall.
   bool is_fading_in = false;   ///< The frame is mixed with the one that it refines.
   double heading_rad = 0.0;    ///< Heading that the picture was turned to.
   double turn_rad = 0.0;       ///< Angle by which the picture was turned.
@@ -135,6 +137,7 @@ struct PresentMailbox {
   std::atomic<bool> is_failing{false};  ///< In: the tour is unreachable, or its frames are dropped.
   PatternMailbox patterns;              ///< In and out: patterns in place of the show.
   HeadMailbox plans;                    ///< In and out: plans of the heads.
+  CaptionMailbox captions;              ///< In and out: what is written on the wall.
   RetiredFrames retired;                ///< Out: frames that can be freed.
   EventRing<RefreshEvent, 1024> refreshes;
   EventRing<HeadRefresh, 4096> head_refreshes;

@@ -42,6 +42,7 @@ Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadP
   TRY_ASSIGN(presenter->heads_, HeadTransition::make(gl, texels, std::move(plans), &mailbox->plans));
   for (const HeadPainter& painter : presenter->heads_->painters())
     presenter->takes_turns_ = presenter->takes_turns_ || painter.takes_turns();
+  presenter->captions_.emplace(gl, presenter->heads_.get(), &mailbox->captions);
   TRY_ASSIGN(presenter->patterns_, PatternShow::make(gl, output->heads(), &mailbox->patterns));
   presenter->step();
   for (const output::HeadMode& mode : output->heads())
@@ -89,6 +90,7 @@ Status Presenter::go_on_with(PresenterState showing) {
   headings_ = showing.headings;
   fade_ = showing.fade;
   patterns_->go_on_with(std::move(showing.patterns));
+  captions_->go_on_with(std::move(showing.caption));
   return frame_ == nullptr ? Status(Done{}) : light_->take(*frame_);
 }
 
@@ -114,7 +116,9 @@ Status Presenter::refresh() {
     mailbox_.panorama.give(std::move(watched));
   }
   TRY_ASSIGN(const bool has_changed, heads_->step(event.drawing_at, frame_ == nullptr ? 0 : frame_->order));
-  if (patterns_->take() || has_changed) is_drawn_ = false;
+  TRY_ASSIGN(const bool is_written_anew, captions_->step(event.drawing_at));
+  if (patterns_->take() || has_changed || is_written_anew) is_drawn_ = false;
+  event.has_caption = captions_->shown() != nullptr;
   if (patterns_->is_open()) {
     TRY(draw_patterns());
   } else if (!is_drawn_ || takes_turns_ || is_any_head_watched()) {
@@ -271,9 +275,14 @@ Status Presenter::draw_heads() {
   const TurnedPicture attract{&attract_, 0.0};  // The attract picture belongs to no heading.
   const bool is_cut = cut_ && share == 0.0;     // Two pictures are mixed at most.
   const TurnedPicture other = is_cut ? TurnedPicture{&left_, left_turn_rad_} : attract;
+  std::optional<ShownCaption> caption;
+  if (const ShownCaption* const written = captions_->shown()) {
+    caption = *written;
+    caption->share *= 1.0 - share;  // It belongs to the visit, as the picture does.
+  }
   for (std::size_t head = 0; head < heads_->count(); ++head) {
     TRY(output_.draw_to(head));
-    heads_->draw(head, shown, other, is_cut ? cut_->share() : share, now);
+    heads_->draw(head, shown, other, is_cut ? cut_->share() : share, now, caption ? &*caption : nullptr);
     show_watcher(head);
     step();
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "appliance/display/attract_fade.h"
+#include "appliance/display/caption_layer.h"
 #include "appliance/display/eye_move.h"
 #include "appliance/display/frame_light.h"
 #include "appliance/display/head_read_back.h"
@@ -27,15 +28,16 @@ struct PresenterState {
   RecentHeadings headings;
   AttractFade fade;
   std::unique_ptr<PatternWall> patterns;  ///< Null before the first patterns.
+  std::unique_ptr<Caption> caption{};     ///< Null before the first caption.
   HeadPlans plans;                        ///< Plans that the heads draw with, or will draw with next.
 };
 
-/// Draws the heads and shows them; runs on the present thread. A frame of another place fades in over the place that was
-/// left, which stays as it was; headings of a place turn only its frames. On heads where the two eyes alternate,
+/// Draws the heads and shows them; runs on the present thread. A frame of another place fades in over the place that
+/// was left, which stays as it was; headings of a place turn only its frames. On heads where the two eyes alternate,
 /// refreshes with an even number, as all displays of a tour count them (synchronised_refresh.h), show the left eye.
 /// Thread-bound to the output's GL context. After warm-up (the first frames of the largest size, and the first cut) it
-/// allocates and frees nothing, takes no lock, writes no log and opens nothing, apart from what the graphics driver does
-/// inside.
+/// allocates and frees nothing, takes no lock, writes no log and opens nothing, apart from what the graphics driver
+/// does inside.
 class Presenter {
  public:
   /// Shows `attract` until a frame comes, and when frames fail. `plans` are for the output's heads, in order;
@@ -58,8 +60,8 @@ class Presenter {
   Status go_on_with(PresenterState showing);
   /// Moves the state out for the next presenter. Afterwards this presenter may only be destroyed.
   [[nodiscard]] PresenterState take_state() {
-    return {std::move(frame_),      std::move(waiting_),   heading_, headings_, fade_,
-            patterns_->take_wall(), heads_->newest_plans()};
+    return {std::move(frame_), std::move(waiting_),   heading_, headings_, fade_, patterns_->take_wall(),
+            captions_->take(), heads_->newest_plans()};
   }
 
   /// Waits for a refresh and shows the newest due frame for the newest due heading (synchronised_refresh.h). Errors:
@@ -93,6 +95,7 @@ class Presenter {
   PanoramaTexture left_;             // The last frame of the place that a cut has left.
   std::optional<FrameLight> light_;  // Always set after make().
   std::unique_ptr<HeadTransition> heads_;
+  std::optional<CaptionLayer> captions_;  // Always set after make().
   std::unique_ptr<PatternShow> patterns_;
   std::vector<HeadReadBack> read_backs_;
   AttractFade fade_;

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/display/reach_picture.h"
 
+#include <fmt/format.h>
 #include <qrencode.h>
 
 #include <algorithm>
 #include <memory>
 #include <string>
+
+#include "common/language/catalogue.h"
 
 namespace cyclorama::display {
 namespace {
@@ -93,27 +96,28 @@ Result<RgbaImage> reach_picture(const PageReach& reach, const TextFont& font, in
   const int top = static_cast<int>((height_px - kQrUnits * unit) / 2.0);
   const std::string link = link_of(reach);
   if (!link.empty()) TRY(draw_qr(link, left, top, static_cast<int>(kQrUnits * unit), &picture));
+  const Catalogue& language = Catalogue::of(reach.language);
   Column text(font, unit, left + static_cast<int>((kQrUnits + kGapUnits) * unit), top, &picture);
   text.line(reach.name.empty() ? "Cyclorama" : reach.name, 1.8, kText);
   text.gap(0.4);
   if (reach.addresses.empty()) {
-    text.line("This computer has no network address.", 0.9, kAccent);
-    text.line("Is the network's cable in, and its lamp lit?", 0.9, kAccent);
+    text.line(language.sentence("This computer has no network address."), 0.9, kAccent);
+    text.line(language.sentence("Is the network's cable in, and its lamp lit?"), 0.9, kAccent);
   } else {
-    text.line("Operator page: scan the code, or enter", 0.9, kQuiet);
+    text.line(language.sentence("Operator page: scan the code, or enter"), 0.9, kQuiet);
     for (std::size_t i = 0; i < std::min(reach.addresses.size(), kMaxAddresses); ++i) {
       text.line(reach.addresses[i], 1.0, kAccent);
     }
   }
   text.gap(0.4);
   if (!reach.fingerprint.empty()) {
-    text.line("SHA-256 of its certificate, to compare:", 0.8, kQuiet);
+    text.line(language.sentence("SHA-256 of its certificate, to compare:"), 0.8, kQuiet);
     for (std::size_t at = 0; at < reach.fingerprint.size(); at += kFingerprintLine) {
       text.line(reach.fingerprint.substr(at, kFingerprintLine - 1), 0.9, kText);
     }
   }
   text.gap(0.4);
-  if (!reach.version.empty()) text.line("Version " + reach.version, 0.8, kQuiet);
+  if (!reach.version.empty()) text.line(language.sentence(fmt::format("Version {}", reach.version)), 0.8, kQuiet);
   return picture;
 }
 

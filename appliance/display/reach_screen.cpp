@@ -7,12 +7,19 @@
 
 #include "appliance/display/reach_picture.h"
 #include "common/base/file.h"
+#include "common/language/catalogue.h"
 
 namespace cyclorama::display {
 namespace {
 
 constexpr Duration kReadEvery = std::chrono::milliseconds(250);
 constexpr std::size_t kMaxFileBytes = std::size_t{64} * 1024;
+
+/// Before a museum has chosen its language, each is shown in turn.
+std::string language_at(TimePoint now) {
+  const auto& all = Catalogue::all();
+  return all[static_cast<std::size_t>(now.time_since_epoch() / kLanguageShown) % all.size()].language();
+}
 
 }  // namespace
 
@@ -33,6 +40,7 @@ bool ReachScreen::update(TimePoint now) {
   std::optional<PageReach> wanted;
   if (shows_reach(reach_, helped_at_, now)) {
     wanted = reach_.value_or(PageReach{});
+    if (wanted->language.empty()) wanted->language = language_at(now);
     wanted->answered_at = {};  // It is not shown, and would make a new picture each time.
   }
   if (wanted == drawn_) return false;

@@ -19,6 +19,8 @@ namespace cyclorama::display {
 [[nodiscard]] bool shows_reach(const std::optional<PageReach>& reach, std::optional<TimePoint> helped_at,
                                TimePoint now);
 inline constexpr Duration kHelpShown = std::chrono::minutes(2);
+/// While the museum has chosen no language, each is shown for this time.
+inline constexpr Duration kLanguageShown = std::chrono::seconds(8);
 inline constexpr Duration kUnreachable = std::chrono::hours(24);
 
 /// Watches the files that decide this, and draws the pictures. Thread-bound.

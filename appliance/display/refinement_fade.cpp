@@ -95,7 +95,7 @@ Status RefinementFade::draw(const PictureShape& former, double share, PanoramaTe
       gl_->DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
     };
     draw(first, end, 0);
-    // The column beside each edge: of a whole turn that of the other edge, else a copy.
+    // The column beyond each edge is that of the opposite edge in a full turn, and otherwise a copy of the edge.
     draw(first - 1, first, wraps ? width : 1);
     draw(end, end + 1, wraps ? -width : -1);
   }

@@ -16,8 +16,8 @@ class RefinementFade {
   static Result<RefinementFade> make(const output::Gl& gl, Texels texels);
 
   /// Draws `share` of the frame's light and the rest of earlier(), whose shape is `former`, and shows the result.
-  /// Preconditions: has_same_places(former, panorama->shape()), and both have as many eyes' pictures. Errors: kSystem if
-  /// the driver cannot draw it.
+  /// Preconditions: has_same_places(former, panorama->shape()), and both have as many eyes' pictures. Errors: kSystem
+  /// if the driver cannot draw it.
   Status draw(const PictureShape& former, double share, PanoramaTexture* panorama) const;
 
  private:

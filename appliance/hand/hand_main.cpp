@@ -12,6 +12,7 @@
 #include "appliance/hand/pose_listener.h"
 #include "appliance/tracker/tour_link.h"
 #include "common/base/file.h"
+#include "common/language/marked_texts.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
@@ -49,7 +50,8 @@ void add_options(CLI::App& app, Options* options) {
       ->type_name("FOLDER")
       ->capture_default_str();
   app.add_option("--osc", options->osc,
-                 "Listen here for /cyclorama/pose, /cyclorama/lost, /cyclorama/steer and /cyclorama/stop")
+                 "Listen here for /cyclorama/pose, /cyclorama/lost, /cyclorama/steer, /cyclorama/stop and "
+                 "/cyclorama/captions")
       ->type_name("HOST:PORT");
   app.add_option("--vrpn", options->vrpn, "Listen here for a VRPN tracker's datagrams")->type_name("HOST:PORT");
   app.add_option("--vrpn-device", options->vrpn_device, "Follow only the VRPN tracker of this name");
@@ -93,14 +95,27 @@ class SteerLink {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + kStopDeadline);
     wire::GoToStopReply reply;
-    const grpc::StatusCode code = stub_->GoToStop(&context, request, &reply).error_code();
-    reached_ = code != grpc::StatusCode::UNAVAILABLE && code != grpc::StatusCode::DEADLINE_EXCEEDED;
+    note(stub_->GoToStop(&context, request, &reply));
+  }
+  /// Requests languages on the wall once; otherwise like go_to().
+  void write(const tracker::OscCaptions& captions) {
+    wire::SetCaptionsRequest request;
+    request.set_next(!captions.languages);
+    if (captions.languages) request.mutable_languages()->Assign(captions.languages->begin(), captions.languages->end());
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + kStopDeadline);
+    wire::SetCaptionsReply reply;
+    note(stub_->SetCaptions(&context, request, &reply));
   }
   [[nodiscard]] bool reached() const { return reached_; }
 
  private:
   explicit SteerLink(std::shared_ptr<grpc::Channel> channel)
       : channel_(std::move(channel)), stub_(wire::Tour::NewStub(channel_)) {}
+  void note(const grpc::Status& status) {
+    const grpc::StatusCode code = status.error_code();
+    reached_ = code != grpc::StatusCode::UNAVAILABLE && code != grpc::StatusCode::DEADLINE_EXCEEDED;
+  }
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<wire::Tour::Stub> stub_;
   input::InputCommand told_;
@@ -164,9 +179,11 @@ Status run(const Options& options, const StopSignal& stop) {
     }
     inputs.update(now);
     if (heard.stop) steer.go_to(*heard.stop);
+    if (heard.captions) steer.write(*heard.captions);
+    if (inputs.take_languages() > 0) steer.write({});
     if (const int steps = inputs.take_steps(); steps != 0) steer.go_to(steps > 0 ? 1 : -1);
     if (inputs.take_help() && !options.help_pressed.empty()) {
-      // Its time counts, and its content is for people.
+      // The display reads only the file's time; the text is for people.
       const Status written = write_file_atomically(options.help_pressed, std::string_view("Help was pressed.\n"));
       if (!written) log(LogLevel::kError, written.error().message());
     }
@@ -178,10 +195,10 @@ Status run(const Options& options, const StopSignal& stop) {
     said_at = now;
     notify.keep_alive(now);
     const auto sentences = inputs.sentences();
-    std::string sentence = sentences.empty() ? "No gamepad, keyboard or 3D mouse is plugged in"
+    std::string sentence = sentences.empty() ? translatable("No gamepad, keyboard or 3D mouse is plugged in")
                                              : fmt::format("{}", fmt::join(sentences, ", "));
     if (hears_poses) sentence += fmt::format("; {} poses heard from other trackers", heard_poses > 0 ? "some" : "no");
-    if (!steer.reached()) sentence += fmt::format("; the tour at {} does not answer", options.tour);
+    if (!steer.reached()) sentence += "; " + fmt::format(translatable("the tour at {} does not answer"), options.tour);
     inspection.set_state(sentence + ".", steer.reached());
     inspection.set_gauge("devices", static_cast<double>(inputs.open_count()));
     inspection.set_gauge("poses_heard", static_cast<double>(heard_poses));

@@ -44,6 +44,7 @@ ReceivedPoses PoseListener::take(TimePoint now) {
     for (const tracker::OscMessage& message : *messages) {
       if (const auto pose = tracker::pose_from_osc(message)) add(*pose, now, &heard);
       if (auto stop = tracker::stop_from_osc(message)) heard.stop = std::move(stop);
+      if (auto captions = tracker::captions_from_osc(message)) heard.captions = std::move(captions);
       if (const auto steer = tracker::steer_from_osc(message)) heard.steer = steer;
     }
   }

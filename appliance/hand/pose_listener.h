@@ -14,11 +14,13 @@
 
 namespace cyclorama::hand {
 
-/// Messages of other programs: poses that replace those of Cyclorama's tracker, steering commands, and requests for stops.
+/// Messages of other programs: poses that replace those of Cyclorama's tracker, steering commands, and requests for stops
+/// and captions.
 struct ReceivedPoses {
   std::vector<tracker::PoseReport> poses;
-  std::optional<std::array<double, 3>> steer;  ///< The newest command: forward, right, turn.
-  std::optional<tracker::OscStop> stop;        ///< The newest request for a stop.
+  std::optional<std::array<double, 3>> steer;    ///< The newest command: forward, right, turn.
+  std::optional<tracker::OscStop> stop;          ///< The newest request for a stop.
+  std::optional<tracker::OscCaptions> captions;  ///< The newest request for languages on the wall.
 };
 
 /// Listens to OSC at one port and to VRPN at another. If several sensors send poses, the first keeps control until it

@@ -89,8 +89,9 @@ std::string HealingHealth::sentence() const {
       ++good;
       continue;
     }
-    held += fmt::format("{}'{}' is left as it is: {}{}", held.empty() ? "" : "; ", names_[i], one.reason,
-                        one.wants_scan ? "; scan the wall when the museum is closed" : "");
+    if (!held.empty()) held += "; ";
+    held += fmt::format("'{}' is left as it is: {}", names_[i], one.reason);
+    if (one.wants_scan) held += "; scan the wall when the museum is closed";
   }
   if (health_.empty()) return "begins to watch the wall";
   if (held.empty()) return fmt::format("keeps {} projectors in place", good);

@@ -83,8 +83,10 @@ Result<std::vector<calibration::ShowFile::Projector>> projectors_of(const std::f
                                                                     const Installation& installation,
                                                                     const calibration::ShowFile* known) {
   std::vector<calibration::ShowFile::Projector> projectors;
+  // The installation's order counts: a projector is addressed by its number.
   if (known != nullptr && known->calibration == calibration.date &&
-      known->projectors.size() == installation.projectors.size()) {
+      std::ranges::equal(known->projectors, installation.projectors, {}, &calibration::ShowFile::Projector::name,
+                         &InstalledProjector::name)) {
     projectors = known->projectors;
   } else {
     for (const InstalledProjector& projector : installation.projectors)

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <pthread.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "appliance/tags/straight_corners.h"
 #include "appliance/tracker/overlay.h"
 #include "common/base/text.h"
+#include "common/wand/folded_card.h"
 #include "common/wire/convert.h"
 #include "drivers/devices/make_camera.h"
 
@@ -136,6 +138,7 @@ void Tracker::handle(const camera::CameraFrame& frame) {
   tracking_ = result.state;
 
   wire::TrackedPose pose = pose_of(frame, result.tag);
+  pose.set_back(std::ranges::any_of(detections, [](const tags::TagDetection& tag) { return tag.id == kBackTag; }));
   add_stage("capture", taken_at - frame.captured_at, &inspection_, &pose);
   add_stage("detect", found_at - taken_at, &inspection_, &pose);
   add_stage("pose", clock_.now() - found_at, &inspection_, &pose);

@@ -35,7 +35,8 @@ Result<Edid> parse_edid(std::span<const std::uint8_t> bytes);
 
 /// Reads a file with an EDID. Errors: those of read_file() and parse_edid().
 Result<Edid> read_edid_file(const std::filesystem::path& path);
-/// Reads the EDID of a projector that does not report it. Errors: those of read_edid_file(); kBadData if it has no timing.
+/// Reads the EDID of a projector that does not report it. Errors: those of read_edid_file(); kBadData if it has no
+/// timing.
 Result<Edid> read_edid_to_drive(const std::filesystem::path& path);
 
 }  // namespace cyclorama

@@ -19,8 +19,8 @@ struct Socket {
   std::optional<Edid> edid{};  ///< Nothing if the EDID is missing or damaged.
 };
 
-/// Reads the kernel's present list of connectors, which needs no right on the cards and probes nothing. Ordered by name;
-/// empty without graphics cards. `drm` is the kernel's folder.
+/// Reads the kernel's present list of connectors, which needs no right on the cards and probes nothing. Ordered by
+/// name; empty without graphics cards. `drm` is the kernel's folder.
 [[nodiscard]] std::vector<Socket> list_sockets(const std::filesystem::path& drm = "/sys/class/drm");
 
 /// Returns a text for people on the connected ones, such as "HDMI-A-1 (EPS EB-L1755U, serial "X4K1"), DP-2 (no EDID)";

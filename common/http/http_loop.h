@@ -35,8 +35,8 @@ class HttpLoop {
   /// Answers a request. Returns whether the connection is to be closed. Called on the pool's threads.
   using Answer = std::function<bool(const Request& request, AnswerBuffer& answer)>;
 
-  /// `listener` is bound and listens. `tls` is borrowed; null: no TLS. `clock` is borrowed; a clock that a test advances
-  /// takes effect within kTick.
+  /// `listener` is bound and listens. `tls` is borrowed; null: no TLS. `clock` is borrowed; a clock that a test
+  /// advances takes effect within kTick.
   HttpLoop(UniqueFd listener, SSL_CTX* tls, const Options& options, Answer answer, const Clock& clock);
   ~HttpLoop();
   HttpLoop(const HttpLoop&) = delete;

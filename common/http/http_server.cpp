@@ -117,12 +117,7 @@ void set_limits(httplib::Server& server, const HttpLimits& limits) {
 }
 
 void serve_mistakes(httplib::Server& server) {
-  server.set_error_handler([](const httplib::Request& request, httplib::Response& response) {
-    if (!response.body.empty()) return;
-    const std::string what = response.status == 404 ? fmt::format("there is no page '{}'", printable(request.path))
-                                                    : "the request was refused";
-    response.set_content(error_json(Error(ErrorCode::kNotFound, what)), kJsonType);
-  });
+  server.set_error_handler(explain_mistake);
   server.set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
     response.status = 500;
     response.set_content(error_json(Error(ErrorCode::kSystem, "the page failed here")), kJsonType);
@@ -164,6 +159,13 @@ void answer_error(const Error& error, httplib::Response& response) {
   response.set_content(error_json(error), kJsonType);
 }
 
+void explain_mistake(const httplib::Request& request, httplib::Response& response) {
+  if (!response.body.empty()) return;
+  const std::string what = response.status == 404 ? fmt::format("there is no page '{}'", printable(request.path))
+                                                  : "the request was refused";
+  response.set_content(error_json(Error(ErrorCode::kNotFound, what)), kJsonType);
+}
+
 void serve_page(httplib::Server& server, std::span<const PageFile> files) {
   for (const PageFile& file : files) {
     // httplib takes paths as regular expressions; their only special character is a dot, which also matches itself.
@@ -197,8 +199,8 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(const std::string& address
   }
   Router& router = page->parts_->router;
   set_limits(router, limits);
-  routes(router);
   serve_mistakes(router);
+  routes(router);
   const bool bound = place.port == 0 ? (page->port_ = router.bind_to_any_port(place.host)) > 0
                                      : router.bind_to_port(place.host, page->port_ = place.port);
   UniqueFd listener = bound ? router.listener() : UniqueFd();

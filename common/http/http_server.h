@@ -16,6 +16,7 @@
 
 namespace httplib {
 class Server;
+struct Request;
 struct Response;
 }  // namespace httplib
 
@@ -37,12 +38,14 @@ inline constexpr const char* kJsonType = "application/json";
 [[nodiscard]] std::string error_json(const Error& error);
 /// Answers with 400, 404, 429, 502 or 504, depending on the error's code.
 void answer_error(const Error& error, httplib::Response& response);
+/// Gives an answer that is an error, but has no sentence yet, one. The server's error handler, unless `routes` sets its own.
+void explain_mistake(const httplib::Request& request, httplib::Response& response);
 /// Adds a GET handler for each file.
 void serve_page(httplib::Server& server, std::span<const PageFile> files);
 
 /// An HTTP server: HttpLoop reads requests and sends answers with deadlines (ConnectionLimits), and cpp-httplib parses
-/// and routes those that are whole. Bodies beyond the limit are refused. Every answer has a content security policy that
-/// allows nothing from other sources, and forbids caching. Thread-bound.
+/// and routes those that are whole. Bodies beyond the limit are refused. Every answer has a content security policy
+/// that allows nothing from other sources, and forbids caching. Thread-bound.
 class HttpServer {
  public:
   /// Starts serving; port 0 selects a free one. `routes` adds the handlers, which are called on the pool's threads.

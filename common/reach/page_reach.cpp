@@ -22,6 +22,7 @@ std::string to_json(const PageReach& reach) {
   return nlohmann::ordered_json{{"version", kVersion},
                                 {"name", reach.name},
                                 {"programs", reach.version},
+                                {"language", reach.language},
                                 {"addresses", reach.addresses},
                                 {"fingerprint", reach.fingerprint},
                                 {"wall_code", reach.wall_code},
@@ -39,6 +40,7 @@ Result<PageReach> parse_page_reach(std::string_view text, const std::string& nam
   PageReach reach;
   reach.name = root.text("name", kMaxText);
   reach.version = root.text("programs", kMaxText);
+  reach.language = root.text("language", kMaxText);
   for (const StrictJson& address : root.list("addresses", 0, kMaxAddresses)) {
     reach.addresses.push_back(address.as_text(kMaxText));
   }

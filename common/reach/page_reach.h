@@ -15,6 +15,7 @@ namespace cyclorama {
 struct PageReach {
   std::string name;                    ///< The museum's, else this computer's.
   std::string version;                 ///< Version of the programs.
+  std::string language;                ///< The museum's: "de"; empty: none was chosen yet.
   std::vector<std::string> addresses;  ///< "https://[2001:db8::7]:8443/"; the one that most phones reach is first.
   std::string fingerprint;             ///< SHA-256 of the page's certificate: "4F:A1:…"; empty without TLS.
   /// Proves at the login that somebody has seen the wall (Sessions::open()); empty: none.

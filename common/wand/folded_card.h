@@ -33,6 +33,9 @@ struct FoldedCard {
 inline constexpr int kPanels = 3;
 /// Number of different cards: tag36h11 has 587 tags.
 inline constexpr int kStandardWands = 587 / kPanels;
+/// The tag for the back of any wand, which is not a wand's own: a visitor who turns the wand chooses another language.
+inline constexpr int kBackTag = 586;
+static_assert(kBackTag >= kPanels * kStandardWands);
 
 /// Returns the wand folded from card `number`, with the tags 3 number, 3 number + 1 and 3 number + 2 from left to
 /// right. Precondition: `number` is 0 to kStandardWands - 1.

@@ -66,9 +66,7 @@ std::string day_text(const ASN1_TIME* time) {
   return fmt::format("{:04}-{:02}-{:02}", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday);
 }
 
-Result<Identity> identity_in(std::string_view certificate_pem) {
-  TRY_ASSIGN(const OpensslCertificate certificate, parse_certificate(certificate_pem));
-  const X509_NAME* const subject = X509_get_subject_name(certificate.get());
+Result<Identity> identity_in_subject(const X509_NAME* subject) {
   const std::optional<std::string> name = entry(subject, NID_commonName);
   const std::optional<std::string> unit = entry(subject, NID_organizationalUnitName);
   Identity who;
@@ -80,6 +78,12 @@ Result<Identity> identity_in(std::string_view certificate_pem) {
                  "does not identify its owner; it needs a common name, and the unit coordinator, museum or node");
   }
   who.name = *name;
+  return who;
+}
+
+Result<Identity> identity_in(std::string_view certificate_pem) {
+  TRY_ASSIGN(const OpensslCertificate certificate, parse_certificate(certificate_pem));
+  TRY_ASSIGN(Identity who, identity_in_subject(X509_get_subject_name(certificate.get())));
   who.serial = serial_text(X509_get0_serialNumber(certificate.get()));
   return who;
 }

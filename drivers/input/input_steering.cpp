@@ -12,7 +12,7 @@ namespace {
 constexpr double kDead = 0.15;      // Dead zone, as a fraction of a stick's travel: worn sticks rest off centre.
 constexpr double kCapFull = 350.0;  // Value that 3D mice report at full deflection of the cap.
 constexpr double kCapDead = 0.08;
-constexpr std::int32_t kPress = 1;  // 2 is a repetition of a key that is held.
+constexpr std::int32_t kPress = 1;  // 2 repeats a key that is held.
 
 /// Returns 0 up to `dead`, then a gentle increase.
 double gentle(double deflection, double dead) {
@@ -27,17 +27,18 @@ bool has(const InputDescription& description, std::initializer_list<int> axes) {
 struct StepKeys {
   int next;
   int previous;
+  int language;
 };
 StepKeys step_keys(InputKind kind) {
   switch (kind) {
     case InputKind::kGamepad:
-      return {BTN_TR, BTN_TL};
+      return {BTN_TR, BTN_TL, BTN_NORTH};
     case InputKind::kKeyboard:
-      return {KEY_PAGEDOWN, KEY_PAGEUP};
+      return {KEY_PAGEDOWN, KEY_PAGEUP, KEY_L};
     case InputKind::kSpaceMouse:
       break;
   }
-  return {BTN_1, BTN_0};
+  return {BTN_1, BTN_0, KEY_RESERVED};
 }
 
 }  // namespace
@@ -74,6 +75,7 @@ void InputSteering::take(const InputEvent& event, TimePoint at) {
         const bool is_new = pressed_.insert(event.code).second;
         if (is_new && event.code == step_keys(kind_).next) ++steps_;
         if (is_new && event.code == step_keys(kind_).previous) --steps_;
+        if (is_new && event.code == step_keys(kind_).language) ++languages_;
       }
       break;
     case EV_ABS:

@@ -8,6 +8,7 @@
 ///
 ///   next       right shoulder     Page Down            right button           of the tour's stops
 ///   previous   left shoulder      Page Up              left button            (presenters' clickers are keyboards)
+///   language   upper button       L                    –                      of what is written on the wall
 ///   help       –                  F1, Help             –
 ///
 /// Event codes are those of linux/input-event-codes.h. Nothing here accesses a device.
@@ -70,8 +71,11 @@ class InputSteering {
   /// Updates the state; events without a meaning for steering are ignored.
   void take(const InputEvent& event, TimePoint at);
   [[nodiscard]] InputCommand command(TimePoint now) const;
-  /// Returns how often "next" was pressed since the last call, less how often "previous" was. Holding a key counts once.
+  /// Returns how often "next" was pressed since the last call, less how often "previous" was. Holding a key counts
+  /// once.
   [[nodiscard]] int take_steps() { return std::exchange(steps_, 0); }
+  /// Returns how often the next language was requested since the last call.
+  [[nodiscard]] int take_languages() { return std::exchange(languages_, 0); }
   /// Number of presses of Help or F1 so far.
   [[nodiscard]] unsigned help_presses() const { return help_presses_; }
 
@@ -92,6 +96,7 @@ class InputSteering {
   InputDescription description_;
   std::set<int> pressed_;
   int steps_ = 0;
+  int languages_ = 0;
   unsigned help_presses_ = 0;
   std::map<int, std::int32_t> absolute_;
   std::map<int, Moved> relative_;

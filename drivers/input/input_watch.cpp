@@ -80,6 +80,12 @@ int InputWatch::take_steps() {
   return steps;
 }
 
+int InputWatch::take_languages() {
+  int languages = 0;
+  for (auto& [path, open] : open_) languages += open.steering.take_languages();
+  return languages;
+}
+
 std::vector<std::string> InputWatch::sentences() const {
   std::vector<std::string> sentences;
   for (const auto& [path, open] : open_)

@@ -43,6 +43,8 @@ class InputWatch {
   [[nodiscard]] InputCommand command(TimePoint now) const;
   /// Returns InputSteering::take_steps() of all devices together.
   [[nodiscard]] int take_steps();
+  /// Returns InputSteering::take_languages() of all devices together.
+  [[nodiscard]] int take_languages();
   /// Returns whether Help was pressed on any keyboard since the last call.
   bool take_help() { return std::exchange(is_help_wanted_, false); }
   /// State in sentences for people: "gamepad 'Pad 3'", or a device that cannot be opened, with the reason.

@@ -81,9 +81,10 @@ Status run(const Options& options, const CLI::App& app, const StopSignal& stop) 
 }  // namespace cyclorama::network
 
 int main(int argc, char** argv) {
-  cyclorama::Program program("cyclorama-network",
-                             "Joins the museum's network as [network] in site.toml demands, and tries other settings for "
-                             "a minute.");
+  cyclorama::Program program(
+      "cyclorama-network",
+      "Joins the museum's network as [network] in site.toml states, and tries other settings for "
+      "a minute.");
   cyclorama::network::Options options;
   cyclorama::network::add_options(program.options(), &options);
   return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) {

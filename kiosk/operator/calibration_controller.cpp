@@ -44,7 +44,7 @@ Status CalibrationController::start(const wire::CalibrateRequest& order) {
 }
 
 Status CalibrationController::place_cameras() {
-  return begin("cameras", "shows patterns to the fixed cameras, for a minute or two",
+  return begin("cameras", "It shows patterns to the fixed cameras, for a minute or two.",
                [this](grpc::ClientContext* context) { place(context); });
 }
 

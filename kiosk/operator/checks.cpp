@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/text.h"
+#include "common/language/marked_texts.h"
 
 namespace cyclorama::operations {
 namespace {
@@ -23,7 +24,7 @@ constexpr double kWarm_c = 85.0;  // Used if no zone reports its critical temper
 constexpr double kHot_c = 95.0;
 constexpr double kBelowCritical_c = 10.0;
 constexpr double kMinFreeMemoryShare = 0.05;
-constexpr int kCertificateWarning_days = 30;
+constexpr int kCertificateWarning_days = 21;  ///< A farm that renews has had nine days for it.
 constexpr std::string_view kLit = "lit: ";
 
 struct Part {
@@ -64,8 +65,11 @@ class List {
   std::vector<Check> all() {
     for (const ProcessObservation& process : findings_.processes) part(process);
     heads();
+    graphics();
     synchronised_share();
     camera();
+    cameras_without_driver();
+    unread_sticks();
     farm();
     provisioning();
     certificate();
@@ -144,6 +148,54 @@ class List {
         "Switch that projector on, and see that its cable is in at both ends.");
   }
 
+  /// Adds a check for cards without a driver, and for a picture that the processor draws instead of the card.
+  void graphics() {
+    constexpr const char* kUse =
+        "Use a card or a processor's graphics that the guide of the appliance lists, or a socket of one that has a "
+        "driver.";
+    std::string driven;
+    std::string undriven;
+    for (const GraphicsCard& card : findings_.hardware.cards) {
+      if (card.maker.empty()) continue;  // A virtual machine's card never draws by itself.
+      std::string& list = card.driver.empty() ? undriven : driven;
+      list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", card.maker, card.id);
+      if (!card.driver.empty()) list += " by " + card.driver;
+    }
+    if (!undriven.empty()) {
+      add("graphics-driver", "Graphics card", driven.empty() ? CheckLevel::kFault : CheckLevel::kWarning,
+          fmt::format("No driver took {}: this software does not support the card, or is older than it.", undriven),
+          kUse);
+    }
+    const ProcessObservation* const display = find(findings_, "display");
+    if (display == nullptr || driven.empty()) return;
+    const std::string renderer = fact_of(*display->status, "gl_renderer");
+    if (renderer.empty()) return;
+    const bool is_software = renderer.starts_with("llvmpipe") || renderer.starts_with("softpipe");
+    add("graphics", "Graphics", is_software ? CheckLevel::kWarning : CheckLevel::kOk,
+        is_software ? fmt::format("The processor draws the picture, since {} cannot.", driven)
+                    : fmt::format("The picture is drawn by {}.", driven),
+        kUse);
+  }
+
+  void cameras_without_driver() {
+    for (const UndrivenCamera& camera : findings_.hardware.cameras) {
+      add("camera-driver", "Camera without a driver", CheckLevel::kWarning,
+          camera.is_industrial ? fmt::format("'{}' speaks USB3 Vision, which this software does not.", camera.name)
+                               : fmt::format("'{}' is plugged in, and no driver takes it.", camera.name),
+          "Use a camera that says UVC, or 'works without drivers'.");
+    }
+  }
+
+  void unread_sticks() {
+    for (const UnreadStick& stick : findings_.hardware.sticks) {
+      add("stick", "USB stick", CheckLevel::kWarning,
+          stick.file_system.empty()
+              ? fmt::format("The stick {} has no file system that is known here.", stick.block)
+              : fmt::format("The stick {} is formatted as {}, which is not read.", stick.block, stick.file_system),
+          "Format it as FAT32 (\"FAT\" or \"MS-DOS\" on some computers), and copy the folder 'cyclorama' to it again.");
+    }
+  }
+
   void synchronised_share() {
     for (const char* const name : {"tour", "display"}) {
       const ProcessObservation* const process = find(findings_, name);
@@ -203,9 +255,11 @@ class List {
     std::string why;
     for (const std::string& problem : report->problems) why += " " + problem + ".";
     add("settings", "Settings", report->in_use.empty() ? CheckLevel::kFault : CheckLevel::kWarning,
-        fmt::format("The stick of {} was refused, and {}.{}", report->at,
-                    report->in_use.empty() ? "there are no settings in use" : "the settings before it stay in use",
-                    printable(why, 2000)),
+        fmt::format(fmt::runtime(report->in_use.empty()
+                                     ? "The stick of {} was refused, and there are no settings in use."
+                                     : "The stick of {} was refused, and the settings before it stay in use."),
+                    report->at) +
+            printable(why, 2000),
         kRemedy);
   }
 
@@ -220,9 +274,12 @@ class List {
                              : left < kCertificateWarning_days ? CheckLevel::kWarning
                                                                : CheckLevel::kOk;
     add("certificate", "Certificate for the farm", level,
-        left_s < 0.0 ? fmt::format("It expired on {}.", until)
-                     : fmt::format("It is good until {}, {} days.", until, left),
-        "Ask those who run the farm for a new bundle, put it on a stick with the other settings, and plug it in.");
+        left_s < 0.0
+            ? fmt::format("It expired on {}.", until)
+            : fmt::format(fmt::runtime(plural("It is good until {}, {} day.", "It is good until {}, {} days.", left)),
+                          until, left),
+        "It is renewed from the farm 30 days before its end, where the farm's operator has set that up. Else ask them "
+        "for a new bundle, put it on a stick with the other settings, and plug it in.");
   }
 
   void clock() {
@@ -313,8 +370,11 @@ class List {
                                                 : CheckLevel::kOk;
     std::string sentence = fmt::format("The warmest part has {:.0f} °C.", *warmest);
     if (findings_.machine.slowed_by_heat > 0) {
-      sentence += fmt::format(" Heat has slowed the processor down {} times since the start.",
-                              findings_.machine.slowed_by_heat);
+      const auto times = findings_.machine.slowed_by_heat;
+      sentence += " " + fmt::format(fmt::runtime(plural("Heat has slowed the processor down {} time since the start.",
+                                                        "Heat has slowed the processor down {} times since the start.",
+                                                        static_cast<long long>(times))),
+                                    times);
     }
     add("temperature", "Temperature", level, sentence,
         "Clean the computer's vents, and let air reach it; it slows down or switches itself off when it is too warm.");

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "kiosk/operator/hardware_facts.h"
 #include "kiosk/operator/machine_facts.h"
 #include "kiosk/operator/observation.h"
 #include "kiosk/provision/provisioning_report.h"
@@ -30,6 +31,7 @@ struct Check {
 struct Findings {
   std::vector<ProcessObservation> processes;
   MachineFacts machine;
+  HardwareFacts hardware;
   bool is_museum = false;  ///< True if there is a state folder, so that settings should be in use.
   std::optional<provision::ProvisioningReport> provisioning;
   std::optional<update::UpdateStatus> update;

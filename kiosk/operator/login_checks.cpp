@@ -19,7 +19,7 @@ std::vector<Check> login_checks(Findings findings) {
   findings.is_museum = true;  // A computer that requires a PIN is a museum, even before it has a state folder.
   std::vector<Check> told = checks_of(findings);
   std::erase_if(told, [](const Check& check) {
-    return check.id != "settings" && !(check.id == "disk" && check.level == CheckLevel::kFault);
+    return check.id != "settings" && check.id != "stick" && !(check.id == "disk" && check.level == CheckLevel::kFault);
   });
   if (findings.provisioning && !findings.provisioning->in_use.empty()) {
     told.push_back({"pin", "PIN", CheckLevel::kFault, "The settings in use have no PIN, so nobody can enter.",

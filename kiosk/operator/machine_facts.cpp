@@ -16,6 +16,7 @@
 #include "common/base/file.h"
 #include "common/base/text.h"
 #include "common/base/unique_fd.h"
+#include "kiosk/operator/kernel_file.h"
 #include "kiosk/provision/provisioning_report.h"
 
 namespace cyclorama::operations {
@@ -23,22 +24,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxFactBytes = 64 * 1024;
 constexpr double kColdest_c = -60.0;  // Unconnected sensors report absurd values.
 constexpr double kHottest_c = 150.0;
 
-std::optional<std::string> line_of(const fs::path& path) {
-  // Files in /proc and /sys report a size other than that of their content.
-  std::FILE* const file = std::fopen(path.c_str(), "re");
-  if (file == nullptr) return std::nullopt;
-  std::string text(kMaxFactBytes, '\0');
-  text.resize(std::fread(text.data(), 1, text.size(), file));
-  std::fclose(file);
-  return text;
-}
-
 std::optional<double> degrees_of(const fs::path& path) {
-  const auto text = line_of(path);
+  const auto text = read_kernel_file(path);
   if (!text) return std::nullopt;
   const auto millidegrees = parse_integer(std::string_view(*text).substr(0, text->find_first_of("\r\n")));
   if (!millidegrees) return std::nullopt;
@@ -49,7 +39,7 @@ std::optional<double> degrees_of(const fs::path& path) {
 std::optional<double> critical_of(const fs::path& zone) {
   for (int i = 0; i < 12; ++i) {
     const std::string point = "trip_point_" + std::to_string(i);
-    const auto kind = line_of(zone / (point + "_type"));
+    const auto kind = read_kernel_file(zone / (point + "_type"));
     if (!kind) return std::nullopt;
     if (kind->starts_with("critical")) return degrees_of(zone / (point + "_temp"));
   }
@@ -68,10 +58,10 @@ void read_temperature(const fs::path& root, MachineFacts* ret) {
   }
 }
 
-/// Reads the state written by the image's script that mounts /var: "encrypted", "plain: Secure Boot is off", "in memory:
-/// the disk cannot be read".
+/// Reads the state written by the image's script that mounts /var: "encrypted", "plain: Secure Boot is off", "in
+/// memory: the disk cannot be read".
 void read_var(const fs::path& root, MachineFacts* ret) {
-  const auto said = line_of(root / "run/cyclorama/var");
+  const auto said = read_kernel_file(root / "run/cyclorama/var");
   if (!said) return;
   const std::string line = printable(said->substr(0, said->find('\n')), 200);
   const auto reason_after = [&](std::string_view state) {
@@ -84,7 +74,7 @@ void read_var(const fs::path& root, MachineFacts* ret) {
 
 /// Reads what the same script found in the firmware's variables.
 void read_secure_boot(const fs::path& root, MachineFacts* ret) {
-  const auto said = line_of(root / "run/cyclorama/secure-boot");
+  const auto said = read_kernel_file(root / "run/cyclorama/secure-boot");
   if (!said) return;
   const std::string_view word = std::string_view(*said).substr(0, said->find('\n'));
   ret->secure_boot = word == "on"      ? SecureBoot::kOn
@@ -95,7 +85,7 @@ void read_secure_boot(const fs::path& root, MachineFacts* ret) {
 
 /// Reads the count of the whole processor package, which the first core reports.
 void read_throttling(const fs::path& root, MachineFacts* ret) {
-  const auto text = line_of(root / "sys/devices/system/cpu/cpu0/thermal_throttle/package_throttle_count");
+  const auto text = read_kernel_file(root / "sys/devices/system/cpu/cpu0/thermal_throttle/package_throttle_count");
   const auto count = text ? parse_integer(std::string_view(*text).substr(0, text->find('\n'))) : std::nullopt;
   if (count && *count > 0) ret->slowed_by_heat = static_cast<std::uint64_t>(*count);
 }
@@ -116,7 +106,7 @@ void read_clock(const fs::path& root, MachineFacts* ret) {
 }
 
 void read_memory(const fs::path& root, MachineFacts* ret) {
-  const auto text = line_of(root / "proc/meminfo");
+  const auto text = read_kernel_file(root / "proc/meminfo");
   if (!text) return;
   const auto kilobytes = [&](const std::string& key) -> std::optional<double> {
     const std::size_t at = text->find(key + ":");
@@ -142,7 +132,7 @@ bool is_shut(const fs::path& state) {
 /// the mount, which is read-only if the service may not write to it (ProtectSystem=), although the disk is well.
 bool is_file_system_read_only(const fs::path& state, const fs::path& root) {
   struct stat info {};
-  const auto mounts = line_of(root / "proc/self/mountinfo");
+  const auto mounts = read_kernel_file(root / "proc/self/mountinfo");
   if (!mounts || ::stat(state.c_str(), &info) != 0) return false;
   const std::string device = fmt::format(" {}:{} ", major(info.st_dev), minor(info.st_dev));
   for (std::size_t begin = 0; begin < mounts->size();) {

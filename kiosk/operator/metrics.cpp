@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -98,6 +99,20 @@ std::string metrics_text(const std::vector<ProcessObservation>& observations) {
   each_present([&](const ProcessObservation& o) { write_gauges(o, true, &text); });
   text.family("cyclorama_gauge", "gauge", "A number that the process shows, with its unit in its name");
   each_present([&](const ProcessObservation& o) { write_gauges(o, false, &text); });
+  return std::move(text).take();
+}
+
+std::string museum_metrics_text(const std::vector<Check>& checks, const care::VisitCounts::Day& visits) {
+  Text text;
+  text.family("cyclorama_checks", "gauge", "Checks of the museum by their level");
+  for (const CheckLevel level : {CheckLevel::kOk, CheckLevel::kWarning, CheckLevel::kFault}) {
+    const auto count = std::ranges::count(checks, level, &Check::level);
+    text.sample("cyclorama_checks", fmt::format("level=\"{}\"", to_text(level)), static_cast<double>(count));
+  }
+  text.family("cyclorama_visits_total", "counter", "Visits that have ended");
+  text.sample("cyclorama_visits_total", "", visits.visits);
+  text.family("cyclorama_visit_seconds_total", "counter", "Their time together");
+  text.sample("cyclorama_visit_seconds_total", "", visits.seconds);
   return std::move(text).take();
 }
 

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "kiosk/care/visit_counts.h"
+#include "kiosk/operator/checks.h"
 #include "kiosk/operator/observation.h"
 
 namespace cyclorama::operations {
@@ -18,5 +20,11 @@ namespace cyclorama::operations {
 ///
 /// A process that is away has only cyclorama_up, so that no old number looks new.
 [[nodiscard]] std::string metrics_text(const std::vector<ProcessObservation>& observations);
+
+/// Returns the metrics of the museum itself:
+///
+///   cyclorama_checks{level}         number of checks that are ok, a warning or a fault
+///   cyclorama_visits_total, cyclorama_visit_seconds_total       counts alone (VisitCounts)
+[[nodiscard]] std::string museum_metrics_text(const std::vector<Check>& checks, const care::VisitCounts::Day& visits);
 
 }  // namespace cyclorama::operations

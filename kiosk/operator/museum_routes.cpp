@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kiosk/operator/museum_routes.h"
 
+#include <absl/time/time.h>
 #include <fmt/format.h>
 #include <httplib.h>
 
@@ -10,6 +11,7 @@
 #include "common/base/text.h"
 #include "common/http/http_server.h"
 #include "kiosk/operator/network_test.h"
+#include "kiosk/operator/page_language.h"
 #include "kiosk/operator/status_json.h"
 #include "kiosk/provision/provisioning_report.h"
 
@@ -19,6 +21,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxRecoveryKeyBytes = 1000;
+constexpr std::size_t kMaxShownEvents = 20;
+constexpr std::size_t kMaxShownDays = 30;
 
 /// Allows one expensive operation at a time.
 class Turn {
@@ -42,7 +46,12 @@ Json schedule_json(const MuseumState& museum, std::chrono::system_clock::time_po
   const OpeningSchedule schedule = schedule_of(museum, now);
   Json json{{"open", schedule.is_open}, {"lines", schedule.lines}, {"problem", schedule.problem},
             {"zone", schedule.zone},    {"override", nullptr},     {"override_problem", schedule.override_problem}};
-  if (schedule.override) json["override"] = {{"open", schedule.override->is_open}, {"until", schedule.until}};
+  if (schedule.override) {
+    json["override"] = {{"open", schedule.override->is_open},
+                        {"until", absl::FormatTime("%E4Y-%m-%dT%H:%M:%SZ", absl::FromChrono(schedule.override->until),
+                                                   absl::UTCTimeZone())},
+                        {"is_today", schedule.is_until_today}};
+  }
   return json;
 }
 
@@ -51,15 +60,53 @@ bool has_recovery_key(const MuseumServices& services) {
   return !services.recovery_key.empty() && std::filesystem::exists(services.recovery_key, ignored);
 }
 
+Json alarms_json(const AlarmService::Report& report) {
+  return {{"mail", report.has_mail},
+          {"webhook", report.has_webhook},
+          {"quiet", report.quiet},
+          {"delivered_at", report.delivered_at},
+          {"problem", report.problem}};
+}
+
+std::string utc_text(care::WallSeconds time) {
+  return absl::FormatTime("%E4Y-%m-%dT%H:%M:%SZ", absl::FromChrono(time), absl::UTCTimeZone());
+}
+
+/// Adds the last faults, the newest first, and the counts of the last days with visits.
+void add_records(const CareLog::Report& report, Json* json) {
+  Json history = Json::array();
+  for (auto event = report.events.rbegin(); event != report.events.rend(); ++event) {
+    if (history.size() == kMaxShownEvents) break;
+    history.push_back({{"title", event->fault.title},
+                       {"sentence", event->fault.sentence},
+                       {"remedy", event->fault.remedy},
+                       {"at", utc_text(event->is_over ? event->at : event->since)},
+                       {"is_over", event->is_over}});
+  }
+  Json days = Json::array();
+  for (auto day = report.days.rbegin(); day != report.days.rend(); ++day) {
+    if (days.size() == kMaxShownDays) break;
+    days.push_back({{"date", day->first}, {"visits", day->second.visits}, {"seconds", day->second.seconds}});
+  }
+  (*json)["history"] = std::move(history);
+  (*json)["visits"] = {{"today", report.today}, {"is_visited", report.is_visited}, {"days", std::move(days)}};
+}
+
 std::string museum_json(const MuseumServices& services) {
   const MuseumState& museum = services.support.museum;
   const Findings findings = findings_of(services.watch->observations(), museum);
-  const std::vector<Check> checks = checks_of(findings);
+  std::vector<Check> checks = checks_of(findings);
+  if (services.alarms != nullptr) {
+    if (auto check = services.alarms->check()) checks.push_back(*std::move(check));
+  }
   Json json{{"level", to_text(worst_of(checks))},
             {"checks", Json::parse(checks_json(checks))},
             {"schedule", nullptr},
             {"provisioning", nullptr},
             {"update", nullptr},
+            {"alarms", nullptr},
+            {"history", nullptr},
+            {"visits", nullptr},
             {"calibration", nullptr},
             {"watched", nullptr},
             {"page",
@@ -77,6 +124,8 @@ std::string museum_json(const MuseumServices& services) {
                       {"available", findings.update->available},
                       {"at", findings.update->at}};
   }
+  if (services.alarms != nullptr) json["alarms"] = alarms_json(services.alarms->report());
+  if (services.log != nullptr) add_records(services.log->report(), &json);
   if (services.calibration != nullptr) json["calibration"] = Json::parse(services.calibration->json());
   if (services.healing != nullptr) json["watched"] = Json::parse(services.healing->json());
   return dumped(json);
@@ -129,24 +178,24 @@ void serve_healing(httplib::Server& server, MuseumServices* services) {
     if (const Status told = services->healing->realign(); !told) return answer_error(told.error(), response);
     response.status = 204;
   });
-  server.Post("/realign/undo", [services](const httplib::Request&, httplib::Response& response) {
+  server.Post("/realign/undo", [services](const httplib::Request& request, httplib::Response& response) {
     if (services->healing == nullptr) {
       return answer_error(
           Error(ErrorCode::kNotFound, "no calibrator is named; start the page with --calibrator ADDRESS"), response);
     }
     const auto undone = services->healing->undo();
     if (!undone) return answer_error(undone.error(), response);
-    response.set_content(Json{{"undone", *undone}}.dump(), "application/json");
+    answer_json(request, dumped({{"undone", *undone}}), response);
   });
 }
 
 void serve_support(httplib::Server& server, MuseumServices* services) {
-  server.Post("/network-test", [services](const httplib::Request&, httplib::Response& response) {
+  server.Post("/network-test", [services](const httplib::Request& request, httplib::Response& response) {
     const Turn turn(&services->is_testing);
     if (!turn.is_ours()) return answer_error(Error(ErrorCode::kBusy, "a network test runs already"), response);
     const MuseumState& museum = services->support.museum;
     const auto checks = test_network(farm_of(museum), read_machine_facts(museum.root));
-    response.set_content(dumped({{"checks", Json::parse(checks_json(checks))}}), kJsonType);
+    answer_json(request, dumped({{"checks", Json::parse(checks_json(checks))}}), response);
   });
   server.Get("/support-bundle.zip", [services](const httplib::Request&, httplib::Response& response) {
     const Turn turn(&services->is_bundling);
@@ -165,6 +214,19 @@ void serve_hours(httplib::Server& server, MuseumServices* services) {
     if (!wanted) return answer_error(wanted.error(), response);
     const Status set = set_hours(services->support.museum, *wanted, std::chrono::system_clock::now());
     if (!set) return answer_error(set.error(), response);
+    response.status = 204;
+  });
+}
+
+void serve_alarms(httplib::Server& server, MuseumServices* services) {
+  server.Post("/alarm-test", [services](const httplib::Request&, httplib::Response& response) {
+    if (services->alarms == nullptr) {
+      return answer_error(Error(ErrorCode::kNotFound, "this page sends no alarms; start it with --keep FOLDER"),
+                          response);
+    }
+    const Turn turn(&services->is_sending);
+    if (!turn.is_ours()) return answer_error(Error(ErrorCode::kBusy, "a test is being sent already"), response);
+    if (const Status sent = services->alarms->send_test(); !sent) return answer_error(sent.error(), response);
     response.status = 204;
   });
 }
@@ -227,13 +289,14 @@ Result<HoursRequest> parse_hours_request(const std::string& body) {
 }
 
 void serve_museum(httplib::Server& server, MuseumServices* services) {
-  server.Get("/museum", [services](const httplib::Request&, httplib::Response& response) {
-    response.set_content(museum_json(*services), kJsonType);
+  server.Get("/museum", [services](const httplib::Request& request, httplib::Response& response) {
+    answer_json(request, museum_json(*services), response);
   });
   serve_calibration(server, services);
   serve_healing(server, services);
   serve_support(server, services);
   serve_hours(server, services);
+  serve_alarms(server, services);
   serve_requests(server, services);
   serve_recovery_key(server, services);
 }

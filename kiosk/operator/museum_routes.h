@@ -8,6 +8,7 @@
 ///   POST /realign                {}; aligns the projectors anew (healing_controller.h); 204
 ///   GET  /calibration.jpg        the calibration camera's newest picture
 ///   POST /hours                  {"do": "open", "until": "22:00"}, "closed" (for today) or "settings"; 204
+///   POST /alarm-test             {}; sends a test to everybody who gets alarms; 204, 429: one is being sent
 ///   POST /request                {"request": "update" | "factory-reset"}; 204
 #pragma once
 
@@ -15,7 +16,9 @@
 #include <filesystem>
 #include <string>
 
+#include "kiosk/operator/alarm_service.h"
 #include "kiosk/operator/calibration_controller.h"
+#include "kiosk/operator/care_log.h"
 #include "kiosk/operator/healing_controller.h"
 #include "kiosk/operator/museum_state.h"
 #include "kiosk/operator/support_bundle.h"
@@ -33,6 +36,8 @@ struct MuseumServices {
   Watch* watch = nullptr;
   CalibrationController* calibration = nullptr;
   HealingController* healing = nullptr;
+  AlarmService* alarms = nullptr;
+  CareLog* log = nullptr;
   SupportOrder support;  ///< Includes the museum's state folder.
   /// Folder in which a file with the request's name triggers a systemd unit; empty: no requests.
   std::filesystem::path requests;
@@ -41,6 +46,7 @@ struct MuseumServices {
   std::string fingerprint;  ///< Fingerprint of the page's certificate; empty: none.
   std::atomic<bool> is_testing{false};
   std::atomic<bool> is_bundling{false};
+  std::atomic<bool> is_sending{false};
 };
 
 /// Parses the body of POST /hours. Errors: kBadData for any other form.

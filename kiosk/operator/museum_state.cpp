@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kiosk/operator/museum_state.h"
 
+#include <openssl/crypto.h>
+
 #include <system_error>
 #include <utility>
 
@@ -13,6 +15,7 @@
 namespace cyclorama::operations {
 namespace {
 constexpr std::size_t kMaxFileBytes = 256 * 1024;
+constexpr std::size_t kMaxName = 60;
 }
 
 OpeningSchedule schedule_of(const MuseumState& museum, WallTime clock) {
@@ -32,9 +35,9 @@ OpeningSchedule schedule_of(const MuseumState& museum, WallTime clock) {
   if (override && *override && (*override)->holds(now)) {
     schedule.override = *override;
     const absl::Time until = absl::FromChrono((*override)->until);
-    const bool is_today =
+    schedule.is_until_today =
         absl::ToCivilDay(until, hours->zone()) == absl::ToCivilDay(absl::FromChrono(now), hours->zone());
-    schedule.until = absl::FormatTime(is_today ? "%H:%M" : "%a %e %b %H:%M", until, hours->zone());
+    schedule.until = absl::FormatTime(schedule.is_until_today ? "%H:%M" : "%a %e %b %H:%M", until, hours->zone());
   }
   schedule.is_open = is_open(*hours, schedule.override, now);
   return schedule;
@@ -57,6 +60,26 @@ Status set_hours(const MuseumState& museum, const HoursRequest& wanted, WallTime
   return write_file_atomically(museum.hours_override(), std::string_view(to_text(override)));
 }
 
+std::string name_of(const MuseumState& museum) {
+  auto config = Config::read(museum.site());
+  return config ? printable(config->root().table("farm").text("museum", ""), kMaxName) : "";
+}
+
+std::string language_of(const MuseumState& museum) {
+  const auto settings = care::read_care_settings(museum.care());
+  return settings ? settings->language : "";
+}
+
+bool admits_scraper(const MuseumState& museum, std::string_view authorization) {
+  constexpr std::string_view kBearer = "Bearer ";
+  const auto settings = care::read_care_settings(museum.care());
+  if (!settings || settings->metrics_token_file.empty() || !authorization.starts_with(kBearer)) return false;
+  const auto token = care::read_secret(settings->metrics_token_file);
+  const std::string_view presented = authorization.substr(kBearer.size());
+  return token && token->size() >= care::kMinMetricsToken && presented.size() == token->size() &&
+         CRYPTO_memcmp(presented.data(), token->data(), token->size()) == 0;
+}
+
 std::vector<std::string> farm_of(const MuseumState& museum) {
   auto config = Config::read(museum.site());
   if (!config) return {};
@@ -67,6 +90,7 @@ Findings findings_of(std::vector<ProcessObservation> processes, const MuseumStat
   Findings findings;
   findings.processes = std::move(processes);
   findings.machine = read_machine_facts(museum.root);
+  findings.hardware = read_hardware_facts();
   findings.now = std::chrono::system_clock::now();
   std::error_code failed;
   findings.is_museum = std::filesystem::is_directory(museum.root / "generations", failed);

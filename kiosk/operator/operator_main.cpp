@@ -87,9 +87,11 @@ Result<OperatorAccess> make_access(const Options& options, const Clock& clock) {
   return access;
 }
 
-/// Until the stop, lets the page answer itself, feeds the watchdog whenever it does, so that systemd restarts a page
-/// that does not, and reports to the display. `reach` may be null.
-void watch_over(const SelfCheck& check, ReachWriter* reach, const StopSignal& stop, Notify* notify) {
+/// Returns at the stop, or when the page needs another certificate. Meanwhile it lets the page answer itself, feeds the
+/// watchdog whenever it does, so that systemd restarts a page that does not, and reports to the display. `reach` may be
+/// null.
+void watch_over(const SelfCheck& check, const OperatorAccess& access, ReachWriter* reach, const StopSignal& stop,
+                Notify* notify) {
   std::string trouble;
   const auto report = [&](const Status& done) {
     const std::string sentence = done ? "" : done.error().message();
@@ -103,6 +105,10 @@ void watch_over(const SelfCheck& check, ReachWriter* reach, const StopSignal& st
     const TimePoint now = SteadyClock().now();
     const bool is_reach_due = reach != nullptr && now >= reach_at;
     if (!is_reach_due && !notify->is_due(now)) continue;
+    if (access.certificate && is_to_be_renewed(*access.certificate, std::time(nullptr))) {
+      // systemd starts this program again: at most once in two years, and when a lost clock was set.
+      return log(LogLevel::kNotice, "the page's certificate is to be made anew, so the page starts again");
+    }
     Status done = check.run();
     if (done) notify->keep_alive(SteadyClock().now());
     if (is_reach_due) {
@@ -134,6 +140,17 @@ Status run(const Options& options, const StopSignal& stop) {
   museum.requests = options.requests.value_or("");
   if (options.keep) museum.recovery_key = std::filesystem::path(*options.keep) / "recovery-key";
   if (access.certificate) museum.fingerprint = access.certificate->fingerprint;
+  const auto checks = [&] { return checks_of(findings_of(watch.observations(), museum.support.museum)); };
+  std::optional<AlarmService> alarms;
+  std::optional<CareLog> records;
+  if (options.museum && options.keep) {
+    alarms.emplace(
+        AlarmService::Options{museum.support.museum, *options.keep, checks,
+                              [port = parse_address(options.listen)] { return port ? outside_page(port->port) : ""; }});
+    museum.alarms = &*alarms;
+    records.emplace(CareLog::Options{museum.support.museum, *options.keep, &watch, checks});
+    museum.log = &*records;
+  }
   std::optional<SetupService> setup;
   if (options.museum && options.keep) {
     SetupPlace place{museum.support.museum, *options.keep, museum.requests, options.run, options.devices};
@@ -174,7 +191,7 @@ Status run(const Options& options, const StopSignal& stop) {
   }
   Notify notify;
   notify.ready();
-  watch_over(check, reach ? &*reach : nullptr, stop, &notify);
+  watch_over(check, access, reach ? &*reach : nullptr, stop, &notify);
   notify.stopping();
   page->stop();
   return Done{};

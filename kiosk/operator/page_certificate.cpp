@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kiosk/operator/page_certificate.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <openssl/rand.h>
 #include <openssl/x509v3.h>
 #include <unistd.h>
 
 #include <array>
-#include <cerrno>
 #include <memory>
 
 #include "common/base/file.h"
+#include "common/base/private_file.h"
 #include "common/wire/openssl.h"
 
 namespace cyclorama::operations {
@@ -27,32 +26,6 @@ constexpr std::time_t kRenewBeforeS = 60L * 86400;
 using Extension = std::unique_ptr<X509_EXTENSION, OpensslFree<X509_EXTENSION_free>>;
 
 Error openssl_failed() { return {ErrorCode::kSystem, "OpenSSL cannot make the page's certificate"}; }
-
-/// Writes a file that only this user can read, from its first byte on.
-Status write_private(const fs::path& path, std::string_view text) {
-  const std::string temporary = path.string() + ".new";
-  ::unlink(temporary.c_str());
-  const UniqueFd fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
-  const auto failed = [&] { return Error::from_errno(fmt::format("writing '{}'", path.string())); };
-  if (!fd.is_open()) return failed();
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t n = ::write(fd.get(), text.data() + done, text.size() - done);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return failed();
-    done += static_cast<std::size_t>(n);
-  }
-  if (::fdatasync(fd.get()) != 0 || ::rename(temporary.c_str(), path.c_str()) != 0) return failed();
-  return Done{};
-}
-
-template <typename Write>
-std::string pem_of(Write&& write) {
-  const OpensslBio bio(BIO_new(BIO_s_mem()));
-  if (!bio || write(bio.get()) != 1) return "";
-  char* text = nullptr;
-  const long bytes = BIO_get_mem_data(bio.get(), &text);
-  return {text, static_cast<std::size_t>(bytes)};
-}
 
 OpensslKey read_key(const fs::path& path) {
   const auto pem = read_text_file(path, kMaxPemBytes);
@@ -120,6 +93,12 @@ bool is_good(X509* certificate, EVP_PKEY* key, std::time_t now) {
 
 }  // namespace
 
+bool is_to_be_renewed(const PageCertificate& page, std::time_t now) {
+  const auto certificate = parse_certificate(page.certificate_pem);
+  const OpensslKey key(PEM_read_bio_PrivateKey(bio_of(page.key_pem).get(), nullptr, nullptr, nullptr));
+  return !certificate || !is_good(certificate->get(), key.get(), now);
+}
+
 Result<PageCertificate> page_certificate(const fs::path& folder, std::time_t now) {
   const fs::path key_file = folder / "page.key";
   const fs::path certificate_file = folder / "page.crt";
@@ -130,7 +109,7 @@ Result<PageCertificate> page_certificate(const fs::path& folder, std::time_t now
   if (key == nullptr) return openssl_failed();
   page.key_pem = pem_of(
       [&](BIO* bio) { return PEM_write_bio_PKCS8PrivateKey(bio, key.get(), nullptr, nullptr, 0, nullptr, nullptr); });
-  if (is_new_key) TRY(write_private(key_file, page.key_pem));
+  if (is_new_key) TRY(write_private_file(key_file, page.key_pem));
   OpensslCertificate certificate;
   if (const auto pem = read_text_file(certificate_file, kMaxPemBytes)) {
     auto known = parse_certificate(*pem);

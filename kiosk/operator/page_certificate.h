@@ -3,6 +3,7 @@
 /// people compare the fingerprint once.
 #pragma once
 
+#include <ctime>
 #include <filesystem>
 #include <string>
 
@@ -21,5 +22,9 @@ struct PageCertificate {
 /// it is damaged, or expires within two months. An existing key is kept. `now` is calendar time. Errors: kSystem if the
 /// folder cannot be written, or OpenSSL fails.
 Result<PageCertificate> page_certificate(const std::filesystem::path& folder, std::time_t now);
+
+/// True once page_certificate() would return another one: the end is near, or the clock was set to before its first
+/// day.
+[[nodiscard]] bool is_to_be_renewed(const PageCertificate& page, std::time_t now);
 
 }  // namespace cyclorama::operations

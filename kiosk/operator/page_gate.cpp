@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/http/http_server.h"
+#include "kiosk/operator/page_language.h"
 
 namespace cyclorama::operations {
 namespace {
@@ -65,7 +66,7 @@ bool is_json(const httplib::Request& request) {
 
 /// Returns true when the request may proceed.
 bool lets_pass(const httplib::Request& request, Sessions* sessions, std::span<const PageFile> login,
-               httplib::Response& response) {
+               const std::function<bool(std::string_view)>& admits_scraper, httplib::Response& response) {
   const bool changes = request.method != "GET" && request.method != "HEAD";
   if (changes && !is_json(request)) {
     refuse(415, "send application/json", response);
@@ -80,12 +81,14 @@ bool lets_pass(const httplib::Request& request, Sessions* sessions, std::span<co
     refuse(421, "without a PIN this page answers only to localhost", response);
     return false;
   }
-  const bool is_open_to_all =
-      (request.method == "POST" && std::ranges::find(kOpenRequests, request.path) != kOpenRequests.end()) ||
-      (!changes && request.path == "/door") ||
-      (!changes &&
-       std::any_of(login.begin(), login.end(), [&](const PageFile& file) { return file.path == request.path; }));
-  if (is_open_to_all || sessions->is_open(cookie_in(request, kSessionCookie))) return true;
+  const bool is_open_to_all = (request.method == "POST" && std::ranges::find(kOpenRequests, request.path) != kOpenRequests.end()) ||
+                              (!changes && (request.path == "/door" || request.path == "/texts")) ||
+                              (!changes && std::any_of(login.begin(), login.end(), [&](const PageFile& file) {
+                                return file.path == request.path;
+                              }));
+  const bool is_scraper = !changes && request.path == "/metrics" && admits_scraper &&
+                          admits_scraper(request.get_header_value("Authorization"));
+  if (is_open_to_all || is_scraper || sessions->is_open(cookie_in(request, kSessionCookie))) return true;
   if (request.method == "GET" &&
       (request.path == "/" || request.path == "/install" || request.path == "/install.html")) {
     response.set_redirect(request.path == "/" ? "/login.html" : "/login.html#next=install", 303);
@@ -105,9 +108,9 @@ std::string sentences_of(const std::vector<Check>& checks) {
 }
 
 void serve_login(httplib::Server& server, Sessions* sessions, std::function<std::vector<Check>()> told) {
-  server.Get("/door", [told](const httplib::Request&, httplib::Response& response) {
+  server.Get("/door", [told](const httplib::Request& request, httplib::Response& response) {
     response.set_header("Cache-Control", "no-store");
-    response.set_content(fmt::format("{{\"checks\": {}}}", checks_json(told())), kJsonType);
+    answer_json(request, fmt::format("{{\"checks\": {}}}", checks_json(told())), response);
   });
   server.Post("/login", [sessions, told](const httplib::Request& request, httplib::Response& response) {
     const nlohmann::json json = nlohmann::json::parse(request.body, nullptr, false);
@@ -141,10 +144,11 @@ void serve_login(httplib::Server& server, Sessions* sessions, std::function<std:
 }  // namespace
 
 void guard(httplib::Server& server, Sessions* sessions, std::span<const PageFile> login,
-           std::function<std::vector<Check>()> told) {
-  server.set_pre_routing_handler([sessions, login](const httplib::Request& request, httplib::Response& response) {
-    return lets_pass(request, sessions, login, response) ? httplib::Server::HandlerResponse::Unhandled
-                                                         : httplib::Server::HandlerResponse::Handled;
+           std::function<std::vector<Check>()> told, std::function<bool(std::string_view)> admits_scraper) {
+  server.set_pre_routing_handler([sessions, login, admits_scraper = std::move(admits_scraper)](
+                                     const httplib::Request& request, httplib::Response& response) {
+    return lets_pass(request, sessions, login, admits_scraper, response) ? httplib::Server::HandlerResponse::Unhandled
+                                                                         : httplib::Server::HandlerResponse::Handled;
   });
   if (sessions == nullptr) return;
   serve_page(server, login);

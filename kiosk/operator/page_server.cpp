@@ -9,6 +9,7 @@
 #include "kiosk/operator/metrics.h"
 #include "kiosk/operator/page_files.h"
 #include "kiosk/operator/page_gate.h"
+#include "kiosk/operator/page_language.h"
 #include "kiosk/operator/status_json.h"
 #include "kiosk/operator/stop_routes.h"
 
@@ -17,12 +18,17 @@ namespace {
 
 constexpr std::size_t kMaxBodyBytes = std::size_t{64} * 1024;  // A certificate with its chain, or a step's fields.
 
-void serve_state(httplib::Server& server, Watch* watch) {
-  server.Get("/status", [watch](const httplib::Request&, httplib::Response& response) {
-    response.set_content(status_json(watch->observations()), kJsonType);
+void serve_state(httplib::Server& server, Watch* watch, MuseumServices* museum) {
+  server.Get("/status", [watch](const httplib::Request& request, httplib::Response& response) {
+    answer_json(request, status_json(watch->observations()), response);
   });
-  server.Get("/metrics", [watch](const httplib::Request&, httplib::Response& response) {
-    response.set_content(metrics_text(watch->observations()), "text/plain; version=0.0.4");
+  server.Get("/metrics", [watch, museum](const httplib::Request&, httplib::Response& response) {
+    std::string text = metrics_text(watch->observations());
+    if (museum != nullptr && museum->log != nullptr) {
+      const Findings findings = findings_of(watch->observations(), museum->support.museum);
+      text += museum_metrics_text(checks_of(findings), museum->log->report().total);
+    }
+    response.set_content(text, "text/plain; version=0.0.4");
   });
   server.Get(R"(/picture/([^/]+)/(.+)\.jpg)", [watch](const httplib::Request& request, httplib::Response& response) {
     // The wire carries only UTF-8; other bytes become '?', which no picture's name contains.
@@ -54,11 +60,19 @@ Result<std::unique_ptr<PageServer>> PageServer::start(const std::string& address
     return Error(ErrorCode::kInvalidArgument, "a PIN may not cross a network in the clear; it needs TLS");
   }
   const auto routes = [&](httplib::Server& server) {
-    guard(server, extras.sessions, login_files(), [museum = extras.museum]() -> std::vector<Check> {
-      return museum == nullptr ? std::vector<Check>{} : login_page_checks(museum->support.museum);
+    guard(
+        server, extras.sessions, login_files(),
+        [museum = extras.museum]() -> std::vector<Check> {
+          return museum == nullptr ? std::vector<Check>{} : login_page_checks(museum->support.museum);
+        },
+        [museum = extras.museum](std::string_view authorization) {
+          return museum != nullptr && admits_scraper(museum->support.museum, authorization);
+        });
+    serve_languages(server, [museum = extras.museum]() -> std::string {
+      return museum == nullptr ? "" : language_of(museum->support.museum);
     });
     serve_page(server, page_files());
-    serve_state(server, watch);
+    serve_state(server, watch, extras.museum);
     serve_steering(server, watch);
     if (!extras.tour.empty()) serve_stops(server, extras.tour);
     if (extras.museum != nullptr) serve_museum(server, extras.museum);

@@ -84,13 +84,15 @@ Result<std::vector<ProcessLink>> make_links(const std::vector<Endpoint>& endpoin
 }
 
 std::string away_sentence(const Endpoint& endpoint, const Error& error) {
-  const char* const how = error.code() == ErrorCode::kTimedOut ? "does not answer" : "cannot be reached";
+  const std::string how = fmt::format(
+      fmt::runtime(error.code() == ErrorCode::kTimedOut ? "It does not answer at {}." : "It cannot be reached at {}."),
+      printable(endpoint.address));
   for (const Absence& absence : kAbsences) {
     if (absence.name != endpoint.name) continue;
-    return fmt::format("It {} at {}. {} See that {} runs there: systemctl status {}.", how, printable(endpoint.address),
-                       absence.meaning, absence.program, absence.program);
+    return fmt::format("{} {} ", how, absence.meaning) +
+           fmt::format("See that {} runs there: systemctl status {}.", absence.program, absence.program);
   }
-  return fmt::format("It {} at {}. See that it runs and listens there.", how, printable(endpoint.address));
+  return how + " See that it runs and listens there.";
 }
 
 }  // namespace cyclorama::operations

@@ -16,25 +16,22 @@
 
 #include "common/base/file.h"
 #include "common/base/text.h"
-#include "common/config/config.h"
 #include "kiosk/operator/login_checks.h"
 
 namespace cyclorama::operations {
 namespace {
 
-constexpr Duration kWallCodeLife = std::chrono::minutes(10);
 constexpr std::size_t kMaxName = 60;
+constexpr Duration kWallCodeLife = std::chrono::minutes(10);
 
 std::string host_name() {
   std::array<char, 256> name{};
   return ::gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : "";
 }
 
-/// Returns the museum's name in the settings, else this computer's.
-std::string name_of(const MuseumState& museum) {
-  std::string name;
-  if (auto config = Config::read(museum.site())) name = config->root().table("farm").text("museum", "");
-  return printable(name.empty() ? host_name() : name, kMaxName);
+std::string page_address(const std::string& host, int port) {
+  const bool is_v6 = host.find(':') != std::string::npos;
+  return is_v6 ? fmt::format("https://[{}]:{}/", host, port) : fmt::format("https://{}:{}/", host, port);
 }
 
 }  // namespace
@@ -64,20 +61,25 @@ std::vector<std::string> outside_addresses() {
   return four;
 }
 
+std::string outside_page(int port) {
+  const std::vector<std::string> all = outside_addresses();
+  return all.empty() ? "" : page_address(all.front(), port);
+}
+
 Status ReachWriter::write(bool answers, TimePoint now) {
   if (sessions_ != nullptr && (reach_.wall_code.empty() || now - code_from_ >= kWallCodeLife)) {
     TRY_ASSIGN(reach_.wall_code, sessions_->renew_wall_code());
     code_from_ = now;
   }
-  reach_.name = name_of(options_.museum);
+  const std::string name = name_of(options_.museum);
+  reach_.name = printable(name.empty() ? host_name() : name, kMaxName);
   reach_.version = CYCLORAMA_VERSION;
+  reach_.language = language_of(options_.museum);
   reach_.fingerprint = options_.fingerprint;
   reach_.has_pin = sessions_ == nullptr || has_pin(options_.museum);
   reach_.addresses.clear();
   for (const std::string& address : outside_addresses()) {
-    const bool is_v6 = address.find(':') != std::string::npos;
-    reach_.addresses.push_back(is_v6 ? fmt::format("https://[{}]:{}/", address, options_.port)
-                                     : fmt::format("https://{}:{}/", address, options_.port));
+    reach_.addresses.push_back(page_address(address, options_.port));
   }
   if (answers && !reach_.addresses.empty()) reach_.answered_at = now;
   // After the addresses, since a name takes longer to be found, where it is found at all.

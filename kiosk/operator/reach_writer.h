@@ -17,6 +17,9 @@ namespace cyclorama::operations {
 /// ones are left out, since browsers accept none.
 [[nodiscard]] std::vector<std::string> outside_addresses();
 
+/// Returns the page's address under the first of these; empty if there is none.
+[[nodiscard]] std::string outside_page(int port);
+
 /// Writes how the page is reached for the display. Thread-bound.
 class ReachWriter {
  public:

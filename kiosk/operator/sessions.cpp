@@ -55,10 +55,12 @@ std::string known_device(std::string_view device, std::string_view hash) {
 }
 
 Error wait_for(Duration time, bool has_own_tries) {
-  return {ErrorCode::kBusy, fmt::format("too many wrong PINs; try again in {:.0f} s{}", std::ceil(to_seconds(time)),
-                                        has_own_tries ? ""
-                                                      : ", or with a device that has logged in before, "
-                                                        "or press Help at the wall and scan its code")};
+  return {ErrorCode::kBusy,
+          fmt::format(fmt::runtime(has_own_tries
+                                       ? "too many wrong PINs; try again in {:.0f} s"
+                                       : "too many wrong PINs; try again in {:.0f} s, or with a device that has logged "
+                                         "in before, or press Help at the wall and scan its code"),
+                      std::ceil(to_seconds(time)))};
 }
 
 }  // namespace

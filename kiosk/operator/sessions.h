@@ -61,8 +61,8 @@ class Sessions {
   /// Returns true for a session's token, and marks the session as used. A PIN that has changed ends all sessions.
   [[nodiscard]] bool is_open(std::string_view token);
   void close(std::string_view token);
-  /// Returns a new code for the wall. The one before it stays valid, for people who have just scanned it. Errors: kSystem
-  /// if there are no random numbers.
+  /// Returns a new code for the wall. The one before it stays valid, for people who have just scanned it. Errors:
+  /// kSystem if there are no random numbers.
   Result<std::string> renew_wall_code();
   /// Returns whether this is one of the two codes on the wall. Guessing it takes longer than a code lasts.
   [[nodiscard]] bool is_wall_code(std::string_view code) const;

@@ -7,6 +7,7 @@
 
 #include "common/base/text.h"
 #include "common/http/http_server.h"
+#include "kiosk/operator/page_language.h"
 #include "kiosk/operator/status_json.h"
 #include "kiosk/operator/tour_call.h"
 
@@ -29,7 +30,14 @@ Json list_json(const wire::StopList& list) {
             {"at", nullptr},
             {"is_led", list.is_led()},
             {"problem", printable(list.problem(), kMaxTextBytes)},
+            {"languages", Json::array()},
+            {"captions", nullptr},
             {"stops", Json::array()}};
+  for (const std::string& language : list.languages()) json["languages"].push_back(printable(language));
+  if (list.has_captions()) {
+    json["captions"] = Json::array();
+    for (const std::string& language : list.caption_languages()) json["captions"].push_back(printable(language));
+  }
   if (list.has_at()) json["at"] = list.at();
   for (const wire::StopSummary& stop : list.stops()) {
     json["stops"].push_back({{"name", printable(stop.name())},
@@ -57,11 +65,25 @@ Result<std::string> carry_out(const std::string& tour, const StopOrder& order) {
     case StopOrder::Kind::kUndo:
       TRY(call_tour<wire::UndoStopReply>(tour, "undoing", wire::UndoStopRequest(), &wire::Tour::Stub::UndoStop));
       return std::string();
+    case StopOrder::Kind::kCaptions:
+      TRY(call_tour<wire::SetCaptionsReply>(tour, "choosing captions", order.captions, &wire::Tour::Stub::SetCaptions));
+      return std::string();
     case StopOrder::Kind::kFetch:
       TRY(call_tour<wire::FetchPicturesReply>(tour, "fetching pictures", wire::FetchPicturesRequest(),
                                               &wire::Tour::Stub::FetchPictures));
   }
   return std::string();
+}
+
+/// Reads a list of languages' tags. Returns false if there is none.
+bool read_languages(const Json& json, wire::SetCaptionsRequest* ret_request) {
+  const auto list = json.find("languages");
+  if (list == json.end() || !list->is_array()) return false;
+  for (const Json& tag : *list) {
+    if (!tag.is_string()) return false;
+    ret_request->add_languages(printable(tag.get<std::string>()));
+  }
+  return true;
 }
 
 }  // namespace
@@ -81,20 +103,23 @@ Result<StopOrder> parse_stop_order(const std::string& text) {
     order.kind = StopOrder::Kind::kAdd;
   } else if (wanted == "undo") {
     order.kind = StopOrder::Kind::kUndo;
+  } else if (wanted == "captions" && read_languages(json, &order.captions)) {
+    order.kind = StopOrder::Kind::kCaptions;
   } else if (wanted == "fetch") {
     order.kind = StopOrder::Kind::kFetch;
   } else {
-    return Error(ErrorCode::kBadData, "'do' must be next, previous, stop-here, undo, fetch, or go with a 'name'");
+    return Error(ErrorCode::kBadData,
+                 "'do' must be next, previous, stop-here, undo, fetch, go with a 'name', or captions with 'languages'");
   }
   return order;
 }
 
 void serve_stops(httplib::Server& server, const std::string& tour) {
-  server.Get("/stops", [tour](const httplib::Request&, httplib::Response& response) {
+  server.Get("/stops", [tour](const httplib::Request& request, httplib::Response& response) {
     const auto list =
         call_tour<wire::StopList>(tour, "listing the stops", wire::ListStopsRequest(), &wire::Tour::Stub::ListStops);
     if (!list) return answer_error(list.error(), response);
-    response.set_content(dumped(list_json(*list)), kJsonType);
+    answer_json(request, dumped(list_json(*list)), response);
   });
   server.Post("/stops", [tour](const httplib::Request& request, httplib::Response& response) {
     const auto order = parse_stop_order(request.body);

@@ -13,8 +13,8 @@
 
 namespace cyclorama::operations {
 
-/// Calls one method of the tour at `address`; blocks for at most five seconds. `doing` describes it in errors, which are
-/// those of the method in museum.proto.
+/// Calls one method of the tour at `address`; blocks for at most five seconds. `doing` describes it in errors, which
+/// are those of the method in museum.proto.
 template <typename Reply, typename Request>
 Result<Reply> call_tour(const std::string& address, const char* doing, const Request& request,
                         grpc::Status (wire::Tour::Stub::*method)(grpc::ClientContext*, const Request&, Reply*)) {

@@ -2,6 +2,7 @@
 #include "kiosk/operator/tour_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -45,6 +46,10 @@ void TourCommand::add_to(CLI::App* app) {
   command.add_subcommand("fetch", "Fetch the pictures for the farm's absence now, although somebody visits");
   CLI::App& dimmed = *command.add_subcommand("lamps", "Fade groups of lamps of the scene to a level");
   dimmed.add_option("GROUP=LEVEL", lamps, "0 to 4; 1: as the scene describes it; any number of groups")->required();
+  CLI::App& written = *command.add_subcommand("captions", "Choose the languages that are written on the wall");
+  written.add_option("LANGUAGE", captions, "One or two of the tour's languages; or next, or none")
+      ->required()
+      ->expected(1, static_cast<int>(tour::kMaxShownLanguages));
   CLI::App& checked = *command.add_subcommand("check", "Check a tour's folder without a visit");
   checked.add_option("FOLDER", folder, "With tour.toml")->required();
   CLI::App& imported =
@@ -62,6 +67,7 @@ Status TourCommand::run(const CLI::App& app) const {
   if (command.got_subcommand("undo")) return undo();
   if (command.got_subcommand("fetch")) return fetch();
   if (command.got_subcommand("lamps")) return dim();
+  if (command.got_subcommand("captions")) return write();
   if (command.got_subcommand("check")) return check();
   return import_tour();
 }
@@ -128,10 +134,24 @@ Status TourCommand::dim() const {
   return Done{};
 }
 
+Status TourCommand::write() const {
+  wire::SetCaptionsRequest request;
+  request.set_next(captions.front() == "next");
+  if (!request.next() && captions.front() != "none")
+    request.mutable_languages()->Assign(captions.begin(), captions.end());
+  TRY_ASSIGN(const wire::SetCaptionsReply reply,
+             (call_tour<wire::SetCaptionsReply>(tour, "choosing captions", request, &wire::Tour::Stub::SetCaptions)));
+  fmt::print("{}\n", reply.languages_size() == 0
+                         ? "nothing is written on the wall"
+                         : printable(fmt::format("written: {}", fmt::join(reply.languages(), ", ")), 200));
+  return Done{};
+}
+
 Status TourCommand::check() const {
   const tour::TourFolder checked(folder);
   TRY_ASSIGN(const std::string text, checked.read());
-  TRY_ASSIGN(const tour::TourPlan plan, tour::parse_tour_plan(text, checked.file().string()));
+  TRY_ASSIGN(tour::TourPlan plan, tour::parse_tour_plan(text, checked.file().string()));
+  TRY(checked.read_captions(&plan));
   fmt::print("{} stops and {} ways; only a visit can tell whether they are in its walkable area\n", plan.stops.size(),
              plan.ways.size());
   return Done{};

@@ -16,7 +16,8 @@ struct TourCommand {
   std::string target;  ///< "next", "previous" or a stop's name.
   std::string name;
   std::string title;
-  std::vector<std::string> lamps;  ///< GROUP=LEVEL.
+  std::vector<std::string> lamps;     ///< GROUP=LEVEL.
+  std::vector<std::string> captions;  ///< Languages' tags, "next" or "none".
   std::string folder;
   std::string svx;
   std::size_t svx_tour = 1;
@@ -32,6 +33,7 @@ struct TourCommand {
   [[nodiscard]] Status undo() const;
   [[nodiscard]] Status fetch() const;
   [[nodiscard]] Status dim() const;
+  [[nodiscard]] Status write() const;
   [[nodiscard]] Status check() const;
   [[nodiscard]] Status import_tour() const;
 };

@@ -42,6 +42,15 @@ class CardDrawing {
     page_->fill(black, 0.0);
   }
 
+  /// Draws the edges of a panel in the middle of the sheet, to be cut.
+  void draw_panel() {
+    cut({{-half_panel_, -half_height_},
+         {half_panel_, -half_height_},
+         {half_panel_, half_height_},
+         {-half_panel_, half_height_},
+         {-half_panel_, -half_height_}});
+  }
+
   void draw_lines() {
     for (const double up : {-1.0, 1.0}) {
       const double edge = up * half_height_;
@@ -124,7 +133,9 @@ VectorPage instructions(int number, const Paper& paper) {
   write("3. Fold every dashed line backwards, away from the print.");
   write("4. Glue the four flaps under the lids, edge to edge: the lids hold the side panels at their angle.");
   write("   The open side is the back: hold it there, or glue a stick to the lower lid.");
-  write("5. Fingers stay off the black squares and the white around them. The word TOP is above.");
+  write("5. Where a tour writes on the wall in several languages, cut out the third page and glue it inside the back:");
+  write("   whoever turns the wand to the camera chooses the next language.");
+  write("6. Fingers stay off the black squares and the white around them. The word TOP is above.");
   write("");
   write(fmt::format("The tracker knows this wand without being told: tags {} to {} of tag36h11. Every wand in a room",
                     kPanels * number, kPanels * number + kPanels - 1));
@@ -159,7 +170,12 @@ std::vector<VectorPage> wand_sheet(int number, const Paper& paper) {
   drawing.draw_scale();
   drawing.write(-6.0, drawing.top_mm() + 30.0, 6.0, "TOP");
   drawing.write(-1.5 * drawing.panel_mm(), drawing.top_mm() + 4.0, 4.0, fmt::format("wand {}", number));
-  return {sheet, instructions(number, paper)};
+  VectorPage back(paper.width_mm, paper.height_mm);
+  CardDrawing of_back(card, &back);
+  of_back.draw_tag(kBackTag, 0.0);
+  of_back.write(-20.0, -0.5 * drawing.panel_mm() - 8.0, 4.0, "back: the next language");
+  of_back.draw_panel();
+  return {sheet, instructions(number, paper), back};
 }
 
 }  // namespace cyclorama::operations

@@ -19,7 +19,7 @@ struct Paper {
 };
 [[nodiscard]] const std::vector<Paper>& papers();
 
-/// Returns the sheet to print, cut and fold, and a page of instructions. Preconditions: those of standard_wand(); the
+/// Returns the sheet to print, cut and fold, a page of instructions, and the tag for the back. Preconditions: those of standard_wand(); the
 /// card fits on the paper.
 [[nodiscard]] std::vector<VectorPage> wand_sheet(int number, const Paper& paper);
 

@@ -22,8 +22,8 @@ inline constexpr const char* kOwnerKeyFile = "owner.pub";
 [[nodiscard]] bool is_signed_by(std::string_view text, std::string_view signature, std::string_view public_pem);
 
 /// Signs all files of a stick's folder for the museum's owner, whose private key is the file `key`; makes that if it is
-/// missing, readable by this user only. Errors: those of copy_folder(), since a museum would refuse such a stick; kBadData
-/// if `key` is no Ed25519 key; kSystem if a file cannot be written.
+/// missing, readable by this user only. Errors: those of copy_folder(), since a museum would refuse such a stick;
+/// kBadData if `key` is no Ed25519 key; kSystem if a file cannot be written.
 Status sign_stick(const std::filesystem::path& folder, const std::filesystem::path& key);
 
 }  // namespace cyclorama::provision

@@ -20,7 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxTextBytes = 256 * 1024;
-constexpr const char* kPinGroup = "cyclorama-operator";
 
 const CopiedFile* find(const std::vector<CopiedFile>& files, std::string_view name) {
   const auto found =

@@ -12,6 +12,7 @@
 #include "common/base/file.h"
 #include "common/process/log.h"
 #include "common/process/program.h"
+#include "kiosk/provision/certificate_renewal.h"
 #include "kiosk/provision/provision.h"
 
 namespace cyclorama::provision {
@@ -20,6 +21,7 @@ namespace {
 constexpr const char* kMuseum = "museum";
 constexpr const char* kFarmHost = "farm-host";
 constexpr const char* kCheckGroup = "cyclorama-check";
+constexpr std::size_t kMaxReportBytes = 256 * 1024;
 /// A render host's settings include scenes; the limit of one file is that of FAT.
 constexpr FolderLimits kFarmHostLimits{200, (std::size_t{4} << 30) - 1, std::size_t{16} << 30};
 
@@ -57,13 +59,19 @@ void add_options(CLI::App& app, Options* options) {
   CLI::App& install = *app.add_subcommand("install", "Check a folder, and take its settings into use if they are good");
   CLI::App& check = *app.add_subcommand("check", "Check a folder, and report its problems; changes nothing in use");
   CLI::App& restore = *app.add_subcommand("restore", "Take the previous settings into use; a second time undoes this");
-  CLI::App& verdict = *app.add_subcommand("verdict", "Check a copied folder for 'install --checker'");
+  CLI::App& renew =
+      *app.add_subcommand("renew",
+                          "Exchange the certificate for the farm: FOLDER has certificate.crt and key.pem, as made by "
+                          "cyclorama-renew-certificate");
+  CLI::App& verdict = *app.add_subcommand("verdict", "Check copied settings for --checker");
   app.add_subcommand("status", "Print the result of the last folder as JSON");
   for (CLI::App* const command : {&install, &check, &verdict}) {
     command
         ->add_option("FOLDER", options->from,
                      "With site.toml and installation.toml, or farm.toml and node.toml, and all that they name")
         ->required();
+  }
+  for (CLI::App* const command : {&install, &check, &renew, &verdict}) {
     command
         ->add_option("--programs", options->programs,
                      "Folder of the programs that check their own settings, such as cyclorama-display; empty: none")
@@ -79,9 +87,12 @@ void add_options(CLI::App& app, Options* options) {
       ->excludes(stick);
   install.add_flag("--for-any-computer", options->for_any_computer,
                    "Projectors need neither a connector nor a serial: for the image's own settings");
-  install.add_option("--checker", options->checker,
-                     "systemd unit that runs 'verdict' on the copy as another user, instead of checking it here");
-  for (CLI::App* const command : {&install, &verdict}) {
+  renew.add_option("FOLDER", options->from, "Folder with the next pair; it may belong to another user")->required();
+  for (CLI::App* const command : {&install, &renew}) {
+    command->add_option("--checker", options->checker,
+                        "systemd unit that runs 'verdict' on the copy as another user, instead of checking it here");
+  }
+  for (CLI::App* const command : {&install, &renew, &verdict}) {
     command->add_option("--verdict", options->verdict, "File for the verdict of a checker")->capture_default_str();
   }
   install.add_option("--confirmed", options->confirmed, "File with the digest of a stick that the operator confirmed")
@@ -111,9 +122,24 @@ std::string digest_in(const std::string& path) {
   return text ? text->substr(0, text->find('\n')) : "";
 }
 
+std::optional<SandboxedCheck> sandbox_of(const Options& options) {
+  if (!options.checker) return std::nullopt;
+  return SandboxedCheck{{"systemctl", "start", *options.checker}, options.verdict, kCheckGroup};
+}
+
+/// The page's report stays that of the settings, with another end of the certificate.
+Status renew(const Options& options, SettingsStore* store) {
+  const auto json = read_text_file(std::filesystem::path(options.state) / kProvisioningReportFile, kMaxReportBytes);
+  TRY_ASSIGN(ProvisioningReport report, json ? parse_report(*json) : Result<ProvisioningReport>(json.error()));
+  CertificateOrder order{options.from, {}, sandbox_of(options)};
+  order.check.programs = options.programs;
+  TRY(renew_certificate(order, store, &report));
+  log(LogLevel::kNotice, fmt::format("the next certificate is in use, valid until {}", report.certificate_until));
+  return publish(options, report);
+}
+
 Status run(const Options& options, const CLI::App& app) {
   if (app.got_subcommand("status")) {
-    constexpr std::size_t kMaxReportBytes = 256 * 1024;
     TRY_ASSIGN(const std::string json,
                read_text_file(std::filesystem::path(options.state) / kProvisioningReportFile, kMaxReportBytes));
     TRY(parse_report(json));
@@ -134,6 +160,7 @@ Status run(const Options& options, const CLI::App& app) {
     log(LogLevel::kNotice, fmt::format("the previous settings are in use again, as {}", report.in_use));
     return publish(options, report);
   }
+  if (app.got_subcommand("renew")) return renew(options, &store);
   ProvisionOrder order;
   order.from = options.from;
   order.check.programs = options.programs;
@@ -144,8 +171,7 @@ Status run(const Options& options, const CLI::App& app) {
   order.at = at;
   order.is_stick = options.is_stick;
   order.is_over = options.is_over;
-  if (options.checker)
-    order.sandbox = SandboxedCheck{{"systemctl", "start", *options.checker}, options.verdict, kCheckGroup};
+  order.sandbox = sandbox_of(options);
   if (options.confirmed) order.confirmed = digest_in(*options.confirmed);
   auto report = provision(order, &store);
   if (!report) {

@@ -68,7 +68,7 @@ Result<ProvisioningReport> parse_report(std::string_view text) {
       !pin->is_boolean()) {
     return bad;
   }
-  // Reports of earlier programs have none.
+  // Reports of earlier versions have none.
   if (json.contains("digest") && !read_sentence(json, "digest", &report.digest)) return bad;
   if (!report.digest.empty() && !is_digest(report.digest)) return bad;
   report.projectors = projectors->get<int>();

@@ -104,7 +104,7 @@ Result<SettingsVerdict> check_sandboxed(const fs::path& folder, const SandboxedC
   fs::remove(how.verdict, ignored);
   TRY_ASSIGN(const ChildEnd end, run_child(how.command, kUnitLimits));
   auto text = read_text_file(how.verdict, kMaxVerdictBytes);
-  fs::remove(how.verdict, ignored);  // It has the PIN.
+  fs::remove(how.verdict, ignored);  // It contains the PIN.
   if (end.exit_code == 0 && text) return parse_verdict(*text);
   return Error(ErrorCode::kUnavailable,
                fmt::format("the check of the settings failed: {}; start this computer again, and plug the stick in",

@@ -15,6 +15,7 @@
 #include "common/opening/opening_hours.h"
 #include "common/room/installation.h"
 #include "common/wand/wand.h"
+#include "kiosk/care/care_settings.h"
 #include "kiosk/provision/folder_check.h"
 #include "kiosk/provision/operator_settings.h"
 #include "kiosk/tour/plan/tour_folder.h"
@@ -28,6 +29,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxTextBytes = 1 << 20;
 constexpr const char* kTourGroup = "cyclorama-tour";
+constexpr const char* kOperatorGroup = "cyclorama-operator";
 constexpr const char* kRootGroup = "root";
 constexpr const char* kProjectorsGroup = "cyclorama-projectors";
 
@@ -45,6 +47,7 @@ class MuseumChecker {
     check_wands();
     check_calibrator();
     check_operator();
+    check_care();
     query_programs();
     return std::move(check_.verdict());
   }
@@ -216,6 +219,31 @@ class MuseumChecker {
     auto settings = parse_operator_settings(*text, kOperatorFile);
     if (!settings) return check_.problem(settings.error().message());
     check_.verdict().pin = std::move(settings->pin);
+  }
+
+  void check_care() {
+    const auto care = care::read_care_settings(check_.in(care::kCareFile));
+    if (!care) return check_.problem(care.error().message());
+    const auto secret = [&](const fs::path& file, const std::string& where, std::size_t min_length = 1) {
+      if (file.empty() || !check_.is_ours_unquoted(file, where)) return;
+      check_.keep_secret(file, kOperatorGroup);
+      const auto read = care::read_secret(file);
+      if (!read) return check_.problem(read.error().message());
+      if (read->size() < min_length)
+        check_.problem(fmt::format("{}: its token must have {} characters or more", where, min_length));
+    };
+    const auto authority = [&](const fs::path& file, const std::string& where) {
+      if (!file.empty()) check_.is_ours(file, where);
+    };
+    if (const auto& mail = care->alarms.mail) {
+      secret(mail->password_file, "care.toml [alarms.mail] password_file");
+      authority(mail->authority, "care.toml [alarms.mail] authority");
+    }
+    if (const auto& webhook = care->alarms.webhook) {
+      secret(webhook->token_file, "care.toml [alarms.webhook] token_file");
+      authority(webhook->authority, "care.toml [alarms.webhook] authority");
+    }
+    secret(care->metrics_token_file, "care.toml [metrics] token_file", care::kMinMetricsToken);
   }
 
   void query_programs() {

@@ -12,6 +12,7 @@
 namespace cyclorama::provision {
 
 inline constexpr const char* kPinFile = "operator-pin";
+inline constexpr const char* kPinGroup = "cyclorama-operator";  ///< Group that may read it.
 inline constexpr const char* kOperatorFile = "operator.toml";
 /// Lies in a folder that is checked while its projectors are still those of the image, without connectors; never kept.
 inline constexpr const char* kAnyComputerFile = "any-computer";
@@ -49,7 +50,7 @@ struct SettingsCheck {
 
 /// Checks everything with the readers of the programs themselves, without stopping at the first mistake: site.toml
 /// (required), installation.toml (required) with the meshes, warps and passwords it names, tracker.toml, wands,
-/// calibrator.toml with the lenses of its cameras, operator.toml, and the certificates and the attract picture that
+/// calibrator.toml with the lenses of its cameras, operator.toml, care.toml, and the certificates and the attract picture that
 /// site.toml names. A render host has farm.toml, node.toml or both, with certificates, tokens and scenes. Every file
 /// that a setting names must lie in the folder. `folder` must contain only plain files (copy_folder()); sentences omit
 /// its path.

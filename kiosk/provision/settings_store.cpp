@@ -165,11 +165,20 @@ Status SettingsStore::switch_to(const std::string& number) {
 }
 
 Status SettingsStore::commit(std::vector<CopiedFile> files, const std::vector<SecretFile>& secrets) {
+  return commit_after(in_use(), std::move(files), secrets);
+}
+
+Status SettingsStore::commit_instead(std::vector<CopiedFile> files, const std::vector<SecretFile>& secrets) {
+  return commit_after(previous_of(in_use()), std::move(files), secrets);
+}
+
+Status SettingsStore::commit_after(const std::string& previous, std::vector<CopiedFile> files,
+                                   const std::vector<SecretFile>& secrets) {
   std::sort(files.begin(), files.end(), [](const CopiedFile& a, const CopiedFile& b) { return a.name < b.name; });
   const std::string number = next_number();
   step("protect");
   TRY(protect_all(staging(), files, secrets));
-  TRY(write_note(kPreviousNote, in_use()));
+  TRY(write_note(kPreviousNote, previous));
   TRY(write_note(kContentsNote, checksums_text(files)));
   TRY(sync_folder(staging()));
   step("name the generation");
@@ -182,18 +191,16 @@ Status SettingsStore::commit(std::vector<CopiedFile> files, const std::vector<Se
   return Done{};
 }
 
-Status SettingsStore::restore() {
-  const std::string previous = previous_of(in_use());
-  if (previous.empty()) return Error(ErrorCode::kNotFound, "there are no previous settings");
-  TRY_ASSIGN(const fs::path folder, begin());
-  // The generation is copied, so that the one in use is always the newest, and its predecessor the previous one.
+/// Copies a generation into the staging folder, with modes and groups.
+Status SettingsStore::copy(const std::string& number) const {
+  const fs::path folder = staging();
   std::error_code failed;
   step("copy");
-  fs::copy(generation(previous), folder, fs::copy_options::recursive, failed);
-  if (failed) return Error(ErrorCode::kSystem, fmt::format("copying the previous settings: {}", failed.message()));
+  fs::copy(generation(number), folder, fs::copy_options::recursive, failed);
+  if (failed) return Error(ErrorCode::kSystem, fmt::format("copying settings: {}", failed.message()));
   for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
     struct stat info {};
-    const fs::path from = generation(previous) / entry->path().lexically_relative(folder);
+    const fs::path from = generation(number) / entry->path().lexically_relative(folder);
     const UniqueFd fd(::open(entry->path().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
     if (!fd.is_open() || ::stat(from.c_str(), &info) != 0 || ::fchmod(fd.get(), info.st_mode & 07777) != 0 ||
         (info.st_gid != ::getegid() && ::fchown(fd.get(), static_cast<uid_t>(-1), info.st_gid) != 0) ||
@@ -201,6 +208,23 @@ Status SettingsStore::restore() {
       return Error::from_errno(fmt::format("copying '{}'", entry->path().string()));
     }
   }
+  return Done{};
+}
+
+Result<fs::path> SettingsStore::begin_with_those_in_use() {
+  const std::string now = in_use();
+  if (now.empty()) return Error(ErrorCode::kNotFound, "there are no settings in use");
+  TRY_ASSIGN(fs::path folder, begin());
+  TRY(copy(now));
+  return folder;
+}
+
+Status SettingsStore::restore() {
+  const std::string previous = previous_of(in_use());
+  if (previous.empty()) return Error(ErrorCode::kNotFound, "there are no previous settings");
+  TRY_ASSIGN(const fs::path folder, begin());
+  // The generation is copied, so that the one in use is always the newest, and its predecessor the previous one.
+  TRY(copy(previous));
   if (::chmod(folder.c_str(), 0755) != 0) return Error::from_errno("protecting the previous settings");
   const std::string number = next_number();
   TRY(write_note(kPreviousNote, in_use()));

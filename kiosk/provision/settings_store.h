@@ -36,9 +36,13 @@ class SettingsStore {
 
   /// Returns the empty staging folder. Removes what an earlier attempt left.
   Result<std::filesystem::path> begin();
+  /// Returns the staging folder with a copy of the settings in use. Errors: kNotFound if there are none; kSystem.
+  Result<std::filesystem::path> begin_with_those_in_use();
   /// Puts the contents of the staging folder into use. `files` lists them; `secrets` get their own modes and groups.
   /// Errors: kSystem if the disk fails; nothing has changed then.
   Status commit(std::vector<CopiedFile> files, const std::vector<SecretFile>& secrets);
+  /// Like commit(), for settings that only go on with those in use: restore() then leads to the ones before both.
+  Status commit_instead(std::vector<CopiedFile> files, const std::vector<SecretFile>& secrets);
   /// Discards the contents of the staging folder.
   void abandon();
   /// Puts the previous settings into use as a new generation, so that a second call undoes the first. Errors: kNotFound
@@ -60,6 +64,9 @@ class SettingsStore {
   [[nodiscard]] std::filesystem::path generation(const std::string& number) const;
   [[nodiscard]] std::string previous_of(const std::string& number) const;
   [[nodiscard]] std::string next_number() const;
+  [[nodiscard]] Status copy(const std::string& number) const;
+  Status commit_after(const std::string& previous, std::vector<CopiedFile> files,
+                      const std::vector<SecretFile>& secrets);
   Status write_note(const char* name, std::string_view text) const;
   Status switch_to(const std::string& number);
   void prune() const;

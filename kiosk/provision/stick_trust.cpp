@@ -76,7 +76,7 @@ Result<StickTrust> trust_of(const StickCopy& stick, const SettingsStore& store) 
 
 Status keep_owner(const StickTrust& trust, const SettingsStore& store) {
   if (!trust.may_name_owner) return Done{};
-  // A confirmed stick without a key leaves the owner's.
+  // A confirmed stick without a key leaves the owner's key in place.
   if (trust.owner_pem.empty() && exists_or_unknown(store.owner())) return Done{};
   return write_file_atomically(store.owner(), std::string_view(trust.owner_pem));
 }

@@ -101,9 +101,8 @@ Status check_tour(const std::filesystem::path& folder) {
   const auto text = tour.read();
   if (!text && text.error().code() == ErrorCode::kNotFound) return Done{};
   if (!text) return text.error();
-  const auto plan = parse_tour_plan(*text, tour.file().string());
-  if (!plan) return plan.error();
-  return Done{};
+  TRY_ASSIGN(TourPlan plan, parse_tour_plan(*text, tour.file().string()));
+  return tour.read_captions(&plan);
 }
 
 /// The file of the recorded walk. A full disk ends the recording, not the visit.

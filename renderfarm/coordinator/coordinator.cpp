@@ -86,7 +86,8 @@ class Coordinator::Loop final : private CoordinatorDelegate {
         [this] { run(); });  // Started before the servers, because every call that they accept must be finished.
     TRY_ASSIGN(node_server_, WireServer::start(options_.nodes, {&nodes_service_}, port_for(Role::kNode)));
     TRY_ASSIGN(museum_server_,
-               WireServer::start(options_.museums, {&farm_service_, &updates_service_}, port_for(Role::kMuseum)));
+               WireServer::start(options_.museums, {&farm_service_, &updates_service_, &certificates_service_},
+                                 port_for(Role::kMuseum)));
     if (!options_.inspect.empty()) {
       TRY_ASSIGN(inspect_server_, WireServer::start(options_.inspect, {&inspection_}));
     }
@@ -332,6 +333,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
   FarmService farm_service_{events_};
   UpdatesService updates_service_{UpdateStore(options_.updates), files_,
                                   [this](const Identity& who) { return gate_->may_update(who); }};
+  CertificatesService certificates_service_{trust::Renewals(options_.renewals)};
   std::unique_ptr<WireServer> node_server_;
   std::unique_ptr<WireServer> museum_server_;
   std::unique_ptr<WireServer> inspect_server_;

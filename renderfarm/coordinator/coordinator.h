@@ -38,6 +38,7 @@ struct CoordinatorOptions {
   std::string record{};  ///< Folder for the cost records that cyclorama-bench-balance reads; empty disables them.
   DistributionOptions distribution{};
   std::filesystem::path updates{};  ///< Folder of the appliances' images (see UpdateStore); empty disables updates.
+  std::filesystem::path renewals{};  ///< Folder of requests for certificates (see Renewals); empty disables them.
 };
 
 /// Checks that names, paths and addresses are usable, and that addresses beyond this machine are served only with TLS.

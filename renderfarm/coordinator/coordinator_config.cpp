@@ -50,6 +50,7 @@ Result<CoordinatorOptions> options_of(Config config, const std::string& name) {
         distribution.integer("files", {1, 1024}, static_cast<int>(FileServer::Options{}.streams)));
   }
   if (root.has("updates")) options.updates = root.table("updates").text("folder");
+  if (root.has("renewals")) options.renewals = root.table("renewals").text("folder");
   if (root.has("watch")) {
     options.watch = watch::read_watch_options(root.table("watch"), std::filesystem::path(name).parent_path());
   }

@@ -13,6 +13,7 @@
 #include <variant>
 
 #include "common/base/text.h"
+#include "common/wire/certificates.grpc.pb.h"
 #include "common/wire/channel.h"
 #include "common/wire/farm.grpc.pb.h"
 #include "common/wire/identity.h"
@@ -23,6 +24,7 @@
 #include "renderfarm/coordinator/light_file_store.h"
 #include "renderfarm/coordinator/peer_stream.h"
 #include "renderfarm/coordinator/update_store.h"
+#include "renderfarm/trust/renewals.h"
 
 namespace cyclorama::coordinator {
 
@@ -239,6 +241,24 @@ class UpdatesService final : public wire::Updates::CallbackService {
   const UpdateStore store_;
   FileServer& files_;
   const std::function<bool(const Identity&)> may_;
+};
+
+/// Renews museums' certificates. A request is a file of a kilobyte, so it is answered on gRPC's thread.
+class CertificatesService final : public wire::Certificates::CallbackService {
+ public:
+  explicit CertificatesService(trust::Renewals renewals) : renewals_(std::move(renewals)) {}
+
+ private:
+  grpc::ServerUnaryReactor* Renew(grpc::CallbackServerContext* context, const wire::RenewRequest* request,
+                                  wire::RenewReply* reply) override {
+    grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+    auto certificate = renewals_.renew(identity_of(*context), request->request_pem());
+    if (certificate) reply->set_certificate_pem(*std::move(certificate));
+    reactor->Finish(certificate ? grpc::Status::OK : to_grpc(certificate.error()));
+    return reactor;
+  }
+
+  const trust::Renewals renewals_;
 };
 
 }  // namespace cyclorama::coordinator

@@ -59,7 +59,7 @@ struct CoordinatorLimits {
 ///   what there is    SceneCatalogue, SceneOrders (which node loads what), SceneLights (light computed ahead)
 ///   whose turn       Accounts; nodes serve blocks by rank, so museums take turns
 ///   where            Placement (which nodes a session uses), NodeSpeeds, FramePlanner (who renders which part)
-///   frames           FrameScheduler (from a view to the frame's end), RestingPictures (refinement of a picture at rest)
+///   frames           FrameScheduler (from a view to the frame's end), RestingPictures (refines a picture at rest)
 ///   blocks           BlockOrders, BlockReassignment (of slow, silent and lost nodes), Deadlines (what is late)
 class CoordinatorState {
  public:

@@ -11,9 +11,9 @@
 
 namespace cyclorama::coordinator {
 
-/// Computes when a frame is late, and which nodes delay it. All deadlines are multiples of a session's base time: its budget, or
-/// its recent frame time if that is longer. Decides nothing and changes nothing. Pure; thread-bound; the table, the
-/// speeds and the clock must outlive it.
+/// Computes when a frame is late, and which nodes delay it. All deadlines are multiples of a session's base time: its
+/// budget, or its recent frame time if that is longer. Decides nothing and changes nothing. Pure; thread-bound; the
+/// table, the speeds and the clock must outlive it.
 class Deadlines {
  public:
   Deadlines(const NodeTable& nodes, const NodeSpeeds& speeds, const Clock& clock)

@@ -16,8 +16,8 @@
 namespace cyclorama::coordinator {
 
 /// Plans frames: which node renders which part of a picture, and where the frame stands in the order of all museums'
-/// frames. Learns from the frames that have ended what parts of pictures cost. Pure; thread-bound; what it is given must
-/// outlive it.
+/// frames. Learns from the frames that have ended what parts of pictures cost. Pure; thread-bound; what it is given
+/// must outlive it.
 class FramePlanner {
  public:
   FramePlanner(const NodeTable& nodes, const NodeSpeeds& speeds, Placement& placement, Accounts& accounts,

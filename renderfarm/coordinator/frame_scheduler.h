@@ -30,14 +30,14 @@ namespace cyclorama::coordinator {
 /// A view waits in one slot, in which a newer view replaces it, until fewer than two frames of its session are
 /// unfinished or unwritten. It is then split among the nodes that have the scene, and all blocks are sent at once, so
 /// that a node can start its next block as soon as it has sent the previous one. If two frames are in flight, the tiles
-/// of the older one are relayed to the museum as they arrive, and the tiles of the newer one are held. A refined picture
-/// is sent only once it is complete, so the museum never sees a part of one that the next view cancels.
+/// of the older one are relayed to the museum as they arrive, and the tiles of the newer one are held. A refined
+/// picture is sent only once it is complete, so the museum never sees a part of one that the next view cancels.
 ///
 /// The deadlines of a frame are counted from the moment when it becomes the oldest frame of its session (Deadlines). An
-/// idle node takes blocks that others have not begun. A node that is silent while others are done gets no more blocks of
-/// the account; its outstanding tiles are cut and reassigned, so that all nodes help. A late frame with a successor is
-/// given up: the last complete picture stands in for it, and the frame's end reports this. The outstanding tiles of a
-/// node that disconnects or fails are reassigned at once. The first delivery of a tile counts; later deliveries are
+/// idle node takes blocks that others have not begun. A node that is silent while others are done gets no more blocks
+/// of the account; its outstanding tiles are cut and reassigned, so that all nodes help. A late frame with a successor
+/// is given up: the last complete picture stands in for it, and the frame's end reports this. The outstanding tiles of
+/// a node that disconnects or fails are reassigned at once. The first delivery of a tile counts; later deliveries are
 /// dropped.
 ///
 /// Invariants: 1. the museum gets the begin, tiles and end of one frame before those of the next; 2. no tile is sent

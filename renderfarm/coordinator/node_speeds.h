@@ -10,9 +10,9 @@
 
 namespace cyclorama::coordinator {
 
-/// Estimates the speeds of nodes: from a small fixed picture that each renders after it has loaded a scene, and from the
-/// share of their processors that their blocks receive. A node whose threads wait for a processor far more than those
-/// of other nodes counts as slowed until it recovers. Pure; thread-bound.
+/// Estimates the speeds of nodes: from a small fixed picture that each renders after it has loaded a scene, and from
+/// the share of their processors that their blocks receive. A node whose threads wait for a processor far more than
+/// those of other nodes counts as slowed until it recovers. Pure; thread-bound.
 class NodeSpeeds {
  public:
   /// Returns the speed of one thread of the node that loaded the scene; 1 is a thread of the first node that did.

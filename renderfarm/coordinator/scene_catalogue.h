@@ -35,7 +35,8 @@ class SceneCatalogue {
   [[nodiscard]] const std::vector<FarmScene>& all() const { return scenes_; }
   /// Precondition: the farm has the scene.
   [[nodiscard]] const FarmScene& at(const std::string& name) const;
-  /// Returns the scene that a museum may open; an empty name selects the first that its grant allows. Errors: kNotFound.
+  /// Returns the scene that a museum may open; an empty name selects the first that its grant allows. Errors:
+  /// kNotFound.
   [[nodiscard]] Result<FarmScene> find(const std::string& wanted, const trust::Grant& grant,
                                        const std::string& museum) const;
   [[nodiscard]] wire::ListScenesReply list(const trust::Grant& grant) const;

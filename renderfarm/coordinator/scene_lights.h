@@ -16,11 +16,12 @@
 
 namespace cyclorama::coordinator {
 
-/// Has the light of scenes computed ahead, gives it to all nodes, and decides which version frames use. Nodes compute it
-/// together, each its own pieces (LightBoard). The first that has all of it sends the file to the coordinator, which
-/// gives it to those that lack it, and when all have it, frames name its version from the next one on. A frame in flight
-/// and a picture at rest keep the version that they began with, and only nodes that have a frame's version render it: no
-/// picture mixes two. Pure; thread-bound; the table, the speeds, the clock and the delegate must outlive it.
+/// Has the light of scenes computed ahead, gives it to all nodes, and decides which version frames use. Nodes compute
+/// it together, each its own pieces (LightBoard). The first that has all of it sends the file to the coordinator, which
+/// gives it to those that lack it, and when all have it, frames name its version from the next one on. A frame in
+/// flight and a picture at rest keep the version that they began with, and only nodes that have a frame's version
+/// render it: no picture mixes two. Pure; thread-bound; the table, the speeds, the clock and the delegate must outlive
+/// it.
 class SceneLights {
  public:
   /// Called when a scene's frames begin to use light, or no longer do: its sessions then need other Pareto fronts.

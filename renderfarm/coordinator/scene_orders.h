@@ -17,8 +17,8 @@
 namespace cyclorama::coordinator {
 
 /// Has nodes load scenes: those of open sessions first, then the others in the catalogue's order. Nodes that drop a
-/// scene, or fail to load it, get the order again when a session requests it. Pure; thread-bound; what it is given must outlive
-/// it.
+/// scene, or fail to load it, get the order again when a session requests it. Pure; thread-bound; what it is given must
+/// outlive it.
 class SceneOrders {
  public:
   SceneOrders(SceneCatalogue& catalogue, NodeTable& nodes, NodeSpeeds& speeds, SceneLights& lights,

@@ -2,8 +2,6 @@
 #include "renderfarm/denoise/denoising_renderer.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -16,6 +14,7 @@
 #include "common/base/picture_cut.h"
 #include "common/image/cells.h"
 #include "common/image/cropped.h"
+#include "renderfarm/render/crew.h"
 #include "renderfarm/render/sample_pieces.h"
 #include "renderfarm/render/tone.h"
 #include "renderfarm/scene/scene.h"
@@ -105,10 +104,6 @@ Status check_denoisable(const render::PanoramaView& view) {
                   height_px(picture.shape), kCutPx));
 }
 
-DenoisingRenderer::DenoisingRenderer(const render::Renderer& renderer, int threads)
-    : renderer_(renderer),
-      denoisers_(static_cast<std::size_t>(threads > 0 ? threads : tbb::this_task_arena::max_concurrency())) {}
-
 render::RenderCost DenoisingRenderer::render(const render::PanoramaView& view, const PixelRect& rect,
                                              RgbImage* ret_pixels, const std::function<bool()>& cancelled,
                                              InverseDepthImage* ret_depth) {
@@ -123,7 +118,7 @@ render::RenderCost DenoisingRenderer::render_radiance(const render::PanoramaView
                                                       InverseDepthImage* ret_depth) {
   UnfinishedPicture picture;
   InverseDepthImage depth;
-  render::RenderCost cost = advance_radiance(view, rect, &picture, cancelled, ret_pixels, &depth);
+  render::RenderCost cost = advance(view, rect, &picture, cancelled, ret_pixels, &depth);
   if (!picture.is_done()) *ret_pixels = RadianceImage(rect.width, rect.height);
   if (ret_depth != nullptr) *ret_depth = std::move(depth);
   return cost;
@@ -131,16 +126,7 @@ render::RenderCost DenoisingRenderer::render_radiance(const render::PanoramaView
 
 render::RenderCost DenoisingRenderer::advance(const render::PanoramaView& view, const PixelRect& rect,
                                               UnfinishedPicture* picture, const std::function<bool()>& stop,
-                                              RgbImage* ret_pixels, InverseDepthImage* ret_depth) {
-  RadianceImage light;
-  const render::RenderCost cost = advance_radiance(view, rect, picture, stop, &light, ret_depth);
-  if (picture->is_done()) *ret_pixels = render::developed(light, renderer_.scene().tone);
-  return cost;
-}
-
-render::RenderCost DenoisingRenderer::advance_radiance(const render::PanoramaView& view, const PixelRect& rect,
-                                                       UnfinishedPicture* picture, const std::function<bool()>& stop,
-                                                       RadianceImage* ret_pixels, InverseDepthImage* ret_depth) {
+                                              RadianceImage* ret_pixels, InverseDepthImage* ret_depth) {
   CHECK(check_denoisable(view).has_value() && !picture->is_done());
   const Projection shape = view.picture();
   const int height = height_px(shape.shape);
@@ -194,6 +180,24 @@ render::RenderCost DenoisingRenderer::trace(const render::PanoramaView& view, co
   return cost;
 }
 
+PixelRays DenoisingRenderer::rays_of(const render::PanoramaView& view, const PixelRect& wide,
+                                     double* cpu_seconds) const {
+  constexpr int kRows = 16;  // A thread finds them in less than a millisecond.
+  PixelRays rays{RadianceImage(wide.width, wide.height)};
+  std::atomic<double> seconds = 0.0;
+  renderer_.crew().run((wide.height + kRows - 1) / kRows, [&](int index) {
+    const double before = thread_cpu_seconds();
+    const int top = index * kRows;
+    const PixelRays some = picture_rays(view.picture(), view.heading_rad,
+                                        {wide.x, wide.y + top, wide.width, std::min(kRows, wide.height - top)});
+    std::ranges::copy(some.directions.data(), rays.directions.at(0, top));
+    if (index == 0) rays.radians_per_px = some.radians_per_px;
+    seconds += thread_cpu_seconds() - before;
+  });
+  *cpu_seconds += seconds;
+  return rays;
+}
+
 double DenoisingRenderer::denoise(const PixelRect& wide, const PixelRect& rect, UnfinishedPicture::Part* part,
                                   const std::function<bool()>& stop) {
   const int rows = std::max(1, rect.height / kStripHeightPx);
@@ -212,19 +216,11 @@ double DenoisingRenderer::denoise(const PixelRect& wide, const PixelRect& rect, 
     const PixelRect where{rect.x - wide.x + left, rect.y - wide.y + top,
                           cut(rect.width, index % columns + 1, columns) - left,
                           cut(rect.height, index / columns + 1, rows) - top};
-    const int thread = denoisers_.size() == 1 ? 0 : tbb::this_task_arena::current_thread_index();
-    denoisers_[static_cast<std::size_t>(std::max(0, thread))].denoise(part->film, part->rays, where, &part->wide);
+    denoisers_.local().denoise(part->film, part->rays, where, &part->wide);
     part->strips[static_cast<std::size_t>(index)] = 1;
     cpu_seconds += thread_cpu_seconds() - before;
   };
-  const int count = rows * columns;
-  if (denoisers_.size() == 1) {
-    for (int i = 0; i < count; ++i) strip(i);
-  } else {
-    tbb::task_arena(static_cast<int>(denoisers_.size())).execute([&] {
-      tbb::parallel_for(0, count, strip, tbb::simple_partitioner());
-    });
-  }
+  renderer_.crew().run(rows * columns, strip);
   return cpu_seconds;
 }
 
@@ -247,9 +243,7 @@ render::RenderCost DenoisingRenderer::advance_within(const render::PanoramaView&
   render::RenderCost cost = trace(view, wide, part, stop_for_good);
   if (!stop_for_good()) {
     const TimePoint start = SteadyClock().now();
-    const double cpu_start = thread_cpu_seconds();
-    if (part->rays.directions.empty()) part->rays = picture_rays(view.picture(), view.heading_rad, wide);
-    cost.cpu_seconds += thread_cpu_seconds() - cpu_start;
+    if (part->rays.directions.empty()) part->rays = rays_of(view, wide, &cost.cpu_seconds);
     cost.cpu_seconds += denoise(wide, rect, part, stop_for_good);
     cost.wall_seconds += to_seconds(SteadyClock().now() - start);
     part->is_done = std::ranges::all_of(part->strips, [](std::uint8_t done) { return done != 0; });

@@ -6,6 +6,8 @@
 /// each eye's picture is denoised without data from the other.
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -43,11 +45,11 @@ class UnfinishedPicture {
 };
 
 /// Renders and denoises. Reuses its memory for successive pictures. Keeps a reference to the renderer, which must
-/// outlive it. Thread-bound.
+/// outlive it. Thread-safe: several threads may render pictures of their own.
 class DenoisingRenderer {
  public:
-  /// Denoises with `threads` threads (0: one per core). Pixels do not depend on their number.
-  DenoisingRenderer(const render::Renderer& renderer, int threads);
+  /// Denoises with the renderer's threads. Pixels do not depend on their number.
+  explicit DenoisingRenderer(const render::Renderer& renderer) : renderer_(renderer) {}
 
   /// Like the functions of Renderer with the same names. The cost includes the margin and the filter; depth is not
   /// filtered. Precondition: check_view() and check_denoisable() accept the view.
@@ -58,14 +60,13 @@ class DenoisingRenderer {
 
   /// Continues `picture` until it is done or `stop` returns true. `stop` is called before each cell and each strip of
   /// the filter, which take some milliseconds each, from any thread. No work is repeated, and pixels do not depend on
-  /// interruptions. Returns the cost of this call. `ret_pixels` and `ret_depth` are written once the picture is done.
+  /// interruptions. Returns the cost of this call. `ret_pixels`, which render::developed() turns into codes, and
+  /// `ret_depth` are written once the picture is done.
   render::RenderCost advance(const render::PanoramaView& view, const PixelRect& rect, UnfinishedPicture* picture,
-                             const std::function<bool()>& stop, RgbImage* ret_pixels, InverseDepthImage* ret_depth);
+                             const std::function<bool()>& stop, RadianceImage* ret_pixels,
+                             InverseDepthImage* ret_depth);
 
  private:
-  render::RenderCost advance_radiance(const render::PanoramaView& view, const PixelRect& rect,
-                                      UnfinishedPicture* picture, const std::function<bool()>& stop,
-                                      RadianceImage* ret_pixels, InverseDepthImage* ret_depth);
   /// The margin is clipped to `bounds`. Precondition: `rect` is inside `bounds`.
   render::RenderCost advance_within(const render::PanoramaView& view, const PixelRect& bounds, const PixelRect& rect,
                                     UnfinishedPicture::Part* part, const std::function<bool()>& stop,
@@ -73,12 +74,14 @@ class DenoisingRenderer {
   /// Renders the rest of the film of `wide`, unless stopped.
   render::RenderCost trace(const render::PanoramaView& view, const PixelRect& wide, UnfinishedPicture::Part* part,
                            const std::function<bool()>& stop) const;
+  /// Returns the directions of the pixels of `wide`, and adds the thread time to `cpu_seconds`.
+  [[nodiscard]] PixelRays rays_of(const render::PanoramaView& view, const PixelRect& wide, double* cpu_seconds) const;
   /// Denoises the rest of `rect`, a part of `wide`, unless stopped. Returns the thread time.
   double denoise(const PixelRect& wide, const PixelRect& rect, UnfinishedPicture::Part* part,
                  const std::function<bool()>& stop);
 
   const render::Renderer& renderer_;
-  std::vector<Denoiser> denoisers_;  ///< One per thread.
+  tbb::enumerable_thread_specific<Denoiser> denoisers_;
 };
 
 }  // namespace cyclorama::denoise

@@ -148,7 +148,8 @@ class GridSpender {
       TRY_ASSIGN(const bool has_stepped, step(may));
       is_done = !has_stepped;
       left_ = samples - used_samples();  // A step that improved nothing has stored nothing.
-      if (samples == budget_.samples) {  // The rest is rarely used, and its share is not known before.
+      if (samples ==
+          budget_.samples) {  // The rest is rarely used, and how much of it is needed is not known in advance.
         report(kProbingShare + kStepsShare * (1.0 - static_cast<double>(left_) / static_cast<double>(samples)));
       }
     }

@@ -25,7 +25,7 @@ struct BakeSettings {
   int final_rays = 64;  ///< Rays of a sample for the last bounce, which the visitor sees.
   /// Lower bound of the rays of all samples together, for the last bounce, for the grids and for lamps; a quarter of it
   /// for each bounce before. Scenes of few triangles have few samples, whose noise would be seen.
-  std::int64_t min_rays = std::int64_t{1} << 22;
+  std::int64_t min_rays = std::int64_t{1} << 24;
   /// Standard error of light from other surfaces at which no more of these rays are traced, relative to the light and
   /// `dim_light`: about a third of a code of the picture.
   double surface_error = 0.01;

@@ -255,6 +255,7 @@ void LightTracer::gather(std::span<const LightSpot> spots, int first_ray, int ra
     if (must_end()) return;
     const std::size_t count = std::min(together, spots.size() - first);
     batch_->stage = 0;
+    view_.light = scene_.light;
     for (std::size_t i = 0; i < count * per_spot; ++i) {
       const LightSpot& spot = spots[first + i / per_spot];
       part_[i] = 0;

@@ -29,9 +29,10 @@ class DenoisedWork {
  public:
   virtual ~DenoisedWork() = default;
   /// Continues until the part is done or `stop` returns true. `stop` is called every few milliseconds, from any thread.
-  /// Returns the cost of this call. `ret_pixels` is unchanged until the part is done; it then has the part's size, and
-  /// `ret_depth` that of the part's cells. `ret_depth` stays empty unless the view requests depth.
-  virtual render::RenderCost advance(const std::function<bool()>& stop, RgbImage* ret_pixels,
+  /// Returns the cost of this call. `ret_light` is unchanged until the part is done; it then has the part's size, and
+  /// BlockRenderer::developed() gives its pixels. `ret_depth` then has the size of the part's cells; it stays empty
+  /// unless the view requests depth.
+  virtual render::RenderCost advance(const std::function<bool()>& stop, RadianceImage* ret_light,
                                      InverseDepthImage* ret_depth) = 0;
 
  protected:
@@ -40,7 +41,8 @@ class DenoisedWork {
   DenoisedWork& operator=(const DenoisedWork&) = default;
 };
 
-/// One loaded scene. The same view gives the same pixels on any node, however it is cut into blocks. Thread-bound.
+/// One loaded scene. The same view gives the same pixels on any node, however it is cut into blocks. Several threads
+/// may render at once, each pictures of its own; the light that a view reads is in the view. Thread-safe.
 class BlockRenderer {
  public:
   virtual ~BlockRenderer() = default;
@@ -72,8 +74,6 @@ class BlockRenderer {
   }
   /// Returns the versions of the scene's light; null if the renderer uses no stored light. Thread-safe.
   [[nodiscard]] virtual const LightVersions* light_versions() const { return nullptr; }
-  /// Sets the light that pictures use from now on. Returns at once.
-  virtual void use_light(const VersionedLight& /*light*/) {}
   [[nodiscard]] virtual std::uint64_t memory_bytes() const = 0;
   /// Returns the number of bounces in the scene's reference picture.
   [[nodiscard]] virtual int bounces() const = 0;

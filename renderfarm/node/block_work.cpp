@@ -25,6 +25,13 @@ namespace {
 /// pixel until it is done, and as much again while it is filtered. Each part has a margin that is rendered twice; the
 /// larger the part, the smaller the share of its margin.
 constexpr std::int64_t kMaxDenoisedPx = std::int64_t{1} << 20;
+/// Pixels of tiles that are traced together, for each thread: 32 cells, so that the threads end about together.
+constexpr std::int64_t kTracedPxPerThread = 32 * std::int64_t{kCostCellPx} * kCostCellPx;
+
+bool is_inside(const PixelRect& part, const PixelRect& whole) {
+  return part.x >= whole.x && part.y >= whole.y && part.x + part.width <= whole.x + whole.width &&
+         part.y + part.height <= whole.y + whole.height;
+}
 
 /// Returns `part` relative to the corner of `whole`.
 PixelRect relative(const PixelRect& part, const PixelRect& whole) {
@@ -34,7 +41,7 @@ PixelRect relative(const PixelRect& part, const PixelRect& whole) {
 }  // namespace
 
 Result<BlockWork> BlockWork::begin(std::shared_ptr<const BlockOrder> order) {
-  TRY_ASSIGN(const render::PanoramaView view, view_of(order->block));
+  TRY_ASSIGN(render::PanoramaView view, view_of(order->block));
   if (order->renderer == nullptr) {
     return Error(ErrorCode::kNotFound, fmt::format("scene '{}' is not loaded", order->block.scene()));
   }
@@ -47,40 +54,52 @@ Result<BlockWork> BlockWork::begin(std::shared_ptr<const BlockOrder> order) {
                                                      order->block.scene(), printable(version)));
     }
   }
-  return BlockWork(std::move(order), view, std::move(light));
+  if (light) view.light = light->store;
+  return BlockWork(std::move(order), view);
 }
 
-BlockWork::BlockWork(std::shared_ptr<const BlockOrder> order, const render::PanoramaView& view,
-                     std::optional<VersionedLight> light)
-    : order_(std::move(order)), view_(view), light_(std::move(light)), tiles_(balance::tiles_of(rect_of(block()))) {
+BlockWork::BlockWork(std::shared_ptr<const BlockOrder> order, const render::PanoramaView& view)
+    : order_(std::move(order)), view_(view), tiles_(balance::tiles_of(rect_of(block()))) {
   cost_.cell_cpu_seconds.resize(static_cast<std::size_t>(cells_touched(rect_of(block())).area()));
 }
 
-std::optional<RenderedTile> BlockWork::next_tile(FilmStore& films, const Interrupts& interrupts) {
+std::vector<RenderedTile> BlockWork::next_tiles(FilmStore& films, render::Crew& crew, const Interrupts& interrupts) {
   CHECK(!is_done());
-  const PixelRect& rect = tiles_[next_];
-  if (light_) order_->renderer->use_light(*light_);
   // `stopped` stays true once set; otherwise a film with gaps could be taken for a complete one.
   std::atomic<bool> stopped = false;
   const Stop stop = [&] {
     if (!stopped && (interrupts.cancelled() || interrupts.preempted())) stopped = true;
     return stopped.load();
   };
-  RgbImage pixels;
-  InverseDepthImage depth;  // Stays empty for a picture at rest, which is never shown from another eye.
+  std::optional<Finished> finished;
   if (block().keep()) {
-    pixels = refined(rect, films, stop);
+    finished = refined(films, stop);
   } else if (block().view().denoise()) {
-    pixels = denoised(rect, stop, &depth);
+    finished = denoised(stop);
   } else {
-    pixels = traced(rect, stop, &depth);
+    finished = traced(kTracedPxPerThread * crew.threads(), stop);
   }
-  if (pixels.empty() || interrupts.cancelled()) return std::nullopt;
-  ++next_;
+  if (!finished || interrupts.cancelled()) return {};
+  const std::size_t first = next_;
+  while (next_ < tiles_.size() && is_inside(tiles_[next_], finished->rect)) ++next_;
   reported_seconds_ = cost_.cpu_seconds;
+  std::vector<RenderedTile> tiles(next_ - first);
+  crew.run(static_cast<int>(tiles.size()), [&](int i) {
+    const auto index = static_cast<std::size_t>(i);
+    tiles[index] = tile_of(*finished, tiles_[first + index]);
+  });
+  return tiles;
+}
+
+RenderedTile BlockWork::tile_of(const Finished& finished, const PixelRect& rect) const {
+  RgbImage pixels = order_->renderer->developed(cropped(finished.light, relative(rect, finished.rect)));
   add_watermark(block().watermark(), rect, &pixels);
-  return RenderedTile{block().block(),   block().view().number(), rect,
-                      std::move(pixels), std::move(depth),        jpeg_options_of(block())};
+  InverseDepthImage depth;
+  if (!finished.depth.empty()) {
+    depth = cropped(finished.depth, relative(depth_cells(rect), depth_cells(finished.rect)));
+  }
+  return {block().block(),   block().view().number(), rect,
+          std::move(pixels), std::move(depth),        jpeg_options_of(block())};
 }
 
 std::optional<wire::BlockProgress> BlockWork::progress() {
@@ -113,20 +132,21 @@ bool BlockWork::finish_tracing(const PixelRect& tile, const Stop& stop) {
   return true;
 }
 
-RgbImage BlockWork::traced(const PixelRect& tile, const Stop& stop, InverseDepthImage* ret_depth) {
+std::optional<BlockWork::Finished> BlockWork::traced(std::int64_t max_px, const Stop& stop) {
   if (!tracing_) {
+    const PixelRect rect = next_rect(max_px);
     const governor::SampleRange all{view_.quality.first_sample, view_.quality.first_sample + view_.quality.samples};
     const auto ranges = governor::cut_evenly(all, render::max_samples_per_piece(view_.quality));
-    tracing_ = Tracing{new_film(tile), view_.quality.samples, {ranges.begin(), ranges.end()}, {}, {}, {}};
+    tracing_ = Tracing{rect, new_film(rect), view_.quality.samples, {ranges.begin(), ranges.end()}, {}, {}, {}};
   }
-  if (!finish_tracing(tile, stop)) return {};
-  RgbImage pixels = order_->renderer->developed(tracing_->film.mean());
-  *ret_depth = std::move(tracing_->film.depth);
+  if (!finish_tracing(tracing_->rect, stop)) return std::nullopt;
+  Finished finished{tracing_->rect, tracing_->film.mean(), std::move(tracing_->film.depth)};
   tracing_.reset();
-  return pixels;
+  return finished;
 }
 
-RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Stop& stop) {
+std::optional<BlockWork::Finished> BlockWork::refined(FilmStore& films, const Stop& stop) {
+  const PixelRect& tile = tiles_[next_];
   const std::string picture = picture_name_of(block());
   if (!tracing_) {
     const int wanted = static_cast<int>(block().view().first_sample() + block().view().samples());
@@ -137,47 +157,42 @@ RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Stop&
       kept.samples = 0;
     }
     const auto ranges = governor::cut_samples({kept.samples, wanted}, render::max_samples_per_piece(view_.quality));
-    tracing_ = Tracing{std::move(kept.film), wanted, {ranges.begin(), ranges.end()}, {}, std::move(kept.prior), {}};
+    tracing_ =
+        Tracing{tile, std::move(kept.film), wanted, {ranges.begin(), ranges.end()}, {}, std::move(kept.prior), {}};
   }
-  if (!finish_prior(tile, stop) || !finish_tracing(tile, stop)) return {};
-  RgbImage pixels =
-      order_->renderer->developed(mean_with_prior(tracing_->film, tracing_->prior, prior_weight_of(block())));
+  if (!finish_prior(tile, stop) || !finish_tracing(tile, stop)) return std::nullopt;
+  // Without depth: a picture at rest is never shown from another eye.
+  Finished finished{tile, mean_with_prior(tracing_->film, tracing_->prior, prior_weight_of(block())), {}};
   films.put({order_->link, block().session()}, picture, tile,
             {std::move(tracing_->film), tracing_->samples, std::move(tracing_->prior)});
   tracing_.reset();
-  return pixels;
+  return finished;
 }
 
-PixelRect BlockWork::next_denoised_rect() const {
+PixelRect BlockWork::next_rect(std::int64_t max_px) const {
   const PixelRect first = tiles_[next_];
   PixelRect all = first;
   for (std::size_t i = next_ + 1; i < tiles_.size(); ++i) {
     const PixelRect& tile = tiles_[i];
     const int right = std::max(all.x + all.width, tile.x + tile.width);
     const PixelRect more{all.x, all.y, right - all.x, tile.y + tile.height - all.y};
-    if (tile.x < first.x || more.area() > kMaxDenoisedPx) break;
+    if (tile.x < first.x || more.area() > max_px) break;
     all = more;
   }
   return all;
 }
 
-RgbImage BlockWork::denoised(const PixelRect& tile, const Stop& stop, InverseDepthImage* ret_depth) {
+std::optional<BlockWork::Finished> BlockWork::denoised(const Stop& stop) {
   if (!denoising_) {
     denoising_.emplace();
-    denoising_->rect = next_denoised_rect();
+    denoising_->rect = next_rect(kMaxDenoisedPx);
     denoising_->work = order_->renderer->begin_denoised(view_, denoising_->rect);
   }
-  const PixelRect& rect = denoising_->rect;
-  if (denoising_->work != nullptr) {
-    add_cost(denoising_->work->advance(stop, &denoising_->pixels, &denoising_->depth), rect);
-    if (denoising_->pixels.empty()) return {};
-    denoising_->work.reset();
-  }
-  RgbImage pixels = cropped(denoising_->pixels, relative(tile, rect));
-  if (view_.depth) *ret_depth = cropped(denoising_->depth, relative(depth_cells(tile), depth_cells(rect)));
-  const bool is_last = tile.x + tile.width == rect.x + rect.width && tile.y + tile.height == rect.y + rect.height;
-  if (is_last) denoising_.reset();
-  return pixels;
+  Finished finished{denoising_->rect, {}, {}};
+  add_cost(denoising_->work->advance(stop, &finished.light, &finished.depth), finished.rect);
+  if (finished.light.empty()) return std::nullopt;
+  denoising_.reset();
+  return finished;
 }
 
 bool BlockWork::finish_prior(const PixelRect& tile, const Stop& stop) {

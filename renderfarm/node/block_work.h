@@ -10,9 +10,9 @@
 
 #include "renderfarm/node/block_renderer.h"
 #include "renderfarm/node/film_store.h"
-#include "renderfarm/node/light_versions.h"
 #include "renderfarm/node/node_link.h"
 #include "renderfarm/node/render_queue.h"
+#include "renderfarm/render/crew.h"
 
 namespace cyclorama::node {
 
@@ -28,11 +28,12 @@ class BlockWork {
   /// Errors: one sentence on what is wrong with the order, such as a view out of range or a scene that is not loaded.
   static Result<BlockWork> begin(std::shared_ptr<const BlockOrder> order);
 
-  /// Renders the next tile. Returns nothing if interrupted: after `cancelled` for good, after `preempted` with all
-  /// finished cells kept. The first tile of a denoised block renders many tiles together, because the denoiser reads
-  /// pixels around each: the whole block, or as much of it as the memory limit allows. May throw std::bad_alloc.
+  /// Renders the next tiles together. Returns none if interrupted: after `cancelled` for good, after `preempted` with
+  /// all finished cells kept. Of a denoised block these are all tiles, or as many as the memory limit allows, because
+  /// the denoiser reads pixels around each; else as many as give each thread of the crew some cells; of a picture at
+  /// rest, one. The crew finishes the tiles; the renderer has threads of its own. May throw std::bad_alloc.
   /// Precondition: !is_done().
-  std::optional<RenderedTile> next_tile(FilmStore& films, const Interrupts& interrupts);
+  std::vector<RenderedTile> next_tiles(FilmStore& films, render::Crew& crew, const Interrupts& interrupts);
   [[nodiscard]] bool is_done() const { return next_ == tiles_.size(); }
   /// Returns a report if the block has taken much thread time since its last tile or report.
   [[nodiscard]] std::optional<wire::BlockProgress> progress();
@@ -42,8 +43,9 @@ class BlockWork {
 
  private:
   using Stop = std::function<bool()>;
-  /// The current tile of a picture that is not denoised.
+  /// The current tile of a picture at rest, or tiles of one that is not denoised.
   struct Tracing {
+    PixelRect rect;
     render::Film film;                         ///< Sum of the finished ranges.
     int samples = 0;                           ///< Number of samples in `film` when all ranges are finished.
     std::deque<governor::SampleRange> ranges;  ///< Samples that `film` still lacks.
@@ -55,30 +57,35 @@ class BlockWork {
   struct Denoising {
     PixelRect rect;
     std::unique_ptr<DenoisedWork> work;
-    RgbImage pixels;  ///< Empty until the whole rect is rendered.
+  };
+  /// Finished pixels, not tone mapped, and depth of `rect`.
+  struct Finished {
+    PixelRect rect;
+    RadianceImage light;
     InverseDepthImage depth;
   };
-  BlockWork(std::shared_ptr<const BlockOrder> order, const render::PanoramaView& view,
-            std::optional<VersionedLight> light);
+  BlockWork(std::shared_ptr<const BlockOrder> order, const render::PanoramaView& view);
 
-  /// The next three return an empty picture if they were stopped.
-  RgbImage traced(const PixelRect& tile, const Stop& stop, InverseDepthImage* ret_depth);
+  /// The next three return nothing if they were stopped.
+  std::optional<Finished> traced(std::int64_t max_px, const Stop& stop);
   /// Adds to the stored sums of the tile, or starts new sums.
-  RgbImage refined(const PixelRect& tile, FilmStore& films, const Stop& stop);
-  RgbImage denoised(const PixelRect& tile, const Stop& stop, InverseDepthImage* ret_depth);
+  std::optional<Finished> refined(FilmStore& films, const Stop& stop);
+  std::optional<Finished> denoised(const Stop& stop);
+  /// Returns the tile `rect` of `finished` as it is sent.
+  [[nodiscard]] RenderedTile tile_of(const Finished& finished, const PixelRect& rect) const;
   /// Renders the samples that the tile lacks. Returns false if it was stopped.
   bool finish_tracing(const PixelRect& tile, const Stop& stop);
   /// Renders the samples that the tile's prior lacks. Returns false if it was stopped.
   bool finish_prior(const PixelRect& tile, const Stop& stop);
   [[nodiscard]] render::Film new_film(const PixelRect& tile) const;
-  /// Returns the rect of the tiles that are denoised together, beginning with the next tile.
-  [[nodiscard]] PixelRect next_denoised_rect() const;
+  /// Returns the rect of the tiles that are rendered together, beginning with the next tile: one, or whole rows of
+  /// tiles up to `max_px`.
+  [[nodiscard]] PixelRect next_rect(std::int64_t max_px) const;
   void add_cost(const render::RenderCost& cost, const PixelRect& rect);
   [[nodiscard]] const wire::RenderBlock& block() const { return order_->block; }
 
   std::shared_ptr<const BlockOrder> order_;
   render::PanoramaView view_;
-  std::optional<VersionedLight> light_;  ///< Version that the view names; kept alive while the block is rendered.
   std::vector<PixelRect> tiles_;
   std::size_t next_ = 0;
   render::RenderCost cost_;

@@ -5,7 +5,9 @@
 #include <grpcpp/client_context.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "common/wire/channel.h"
 #include "common/wire/nodes.grpc.pb.h"
@@ -24,13 +26,20 @@ using Stream = grpc::ClientReaderWriter<wire::NodeReport, wire::NodeCommand>;
 /// rendering for it.
 void send_reports(Stream& stream, NodeLink& link, NodeController& controller) {
   const SteadyClock clock;
-  TileSender sender;
+  render::Crew& crew = controller.renders().crew();
+  TileSender sender(crew);
   TimePoint next_status = clock.now();
   bool fine = true;
   while (fine && !link.is_finished()) {
-    if (auto item = link.pop(next_status)) {
+    std::vector<NodeLink::Outgoing> items;
+    auto item = link.pop(next_status);
+    while (item) {
+      items.push_back(*std::move(item));
+      item = items.size() < static_cast<std::size_t>(crew.threads()) ? link.pop(clock.now()) : std::nullopt;
+    }
+    if (!items.empty()) {
       controller.renders().link_moved();
-      fine = stream.Write(sender.report_of(*std::move(item)));
+      for (const wire::NodeReport& report : sender.reports_of(std::move(items))) fine = fine && stream.Write(report);
     }
     if (fine && clock.now() >= next_status) {
       fine = stream.Write(controller.status());

@@ -25,9 +25,9 @@ class EmbreeDenoisedWork final : public DenoisedWork {
   EmbreeDenoisedWork(denoise::DenoisingRenderer& denoising, render::PanoramaView view, const PixelRect& rect)
       : denoising_(denoising), view_(std::move(view)), rect_(rect) {}
 
-  render::RenderCost advance(const std::function<bool()>& stop, RgbImage* ret_pixels,
+  render::RenderCost advance(const std::function<bool()>& stop, RadianceImage* ret_light,
                              InverseDepthImage* ret_depth) override {
-    return denoising_.advance(view_, rect_, &picture_, stop, ret_pixels, ret_depth);
+    return denoising_.advance(view_, rect_, &picture_, stop, ret_light, ret_depth);
   }
 
  private:
@@ -39,8 +39,8 @@ class EmbreeDenoisedWork final : public DenoisedWork {
 
 class EmbreeBlockRenderer final : public BlockRenderer {
  public:
-  EmbreeBlockRenderer(std::unique_ptr<render::Renderer> renderer, int threads)
-      : renderer_(std::move(renderer)), denoising_(*renderer_, threads) {}
+  explicit EmbreeBlockRenderer(std::unique_ptr<render::Renderer> renderer)
+      : renderer_(std::move(renderer)), denoising_(*renderer_) {}
 
   [[nodiscard]] std::unique_ptr<DenoisedWork> begin_denoised(const render::PanoramaView& view,
                                                              const PixelRect& rect) override {
@@ -109,10 +109,6 @@ class EmbreeBlockRenderer final : public BlockRenderer {
 
   [[nodiscard]] const LightVersions* light_versions() const override { return &lights_; }
 
-  void use_light(const VersionedLight& light) override {
-    if (renderer_->light() != light.store.get()) renderer_->use_light(light.store);
-  }
-
   /// Adds the light that is stored in the scene's folder, if any. If it cannot be used, note() states the reason.
   void add_stored_light(const std::filesystem::path& scene) {
     const std::filesystem::path path = scene / light::kLightFileName;
@@ -121,7 +117,7 @@ class EmbreeBlockRenderer final : public BlockRenderer {
     const auto file = MappedFile::open(path);
     const auto light = file ? add_light(file->bytes(), path.string()) : Result<VersionedLight>(file.error());
     if (light) {
-      use_light(*light);
+      renderer_->use_light(light->store);
     } else {
       note_ = light.error().message();
     }
@@ -157,18 +153,19 @@ class EmbreeBlockRenderer final : public BlockRenderer {
 
 }  // namespace
 
-SceneLoader embree_scene_loader(int threads) {
-  return [threads](const std::string& path,
-                   const std::function<void(double)>& progress) -> Result<std::unique_ptr<BlockRenderer>> {
+SceneLoader embree_scene_loader(std::shared_ptr<render::Crew> crew) {
+  return [crew = std::move(crew)](
+             const std::string& path,
+             const std::function<void(double)>& progress) -> Result<std::unique_ptr<BlockRenderer>> {
     scene::ImportLimits limits;
     limits.memory_bytes =
         std::min(limits.memory_bytes, cyclorama::render::available_memory().value_or(limits.memory_bytes));
     TRY_ASSIGN(scene::Scene scene,
                scene::load_scene(path, limits, [&](double done) { progress(kReadingShare * done); }));
-    TRY_ASSIGN(auto renderer, render::Renderer::build(std::move(scene), threads, [&](double done) {
+    TRY_ASSIGN(auto renderer, render::Renderer::build(std::move(scene), crew, [&](double done) {
                  progress(kReadingShare + (1.0 - kReadingShare) * done);
                }));
-    auto made = std::make_unique<EmbreeBlockRenderer>(std::move(renderer), threads);
+    auto made = std::make_unique<EmbreeBlockRenderer>(std::move(renderer));
     made->add_stored_light(path);
     return std::unique_ptr<BlockRenderer>(std::move(made));
   };

@@ -11,12 +11,6 @@
 #include "renderfarm/node/coordinator_connection.h"
 
 namespace cyclorama::node {
-namespace {
-
-/// Nice value of the render threads. They use all processors, and must delay neither orders nor tiles.
-constexpr int kRaysGiveWay = 5;
-
-}  // namespace
 
 Result<std::unique_ptr<FarmNode>> FarmNode::start(const FarmNodeOptions& options, SceneLoader loader,
                                                   LightStarter light) {
@@ -41,18 +35,21 @@ Result<std::unique_ptr<FarmNode>> FarmNode::start(const FarmNodeOptions& options
 }
 
 FarmNode::FarmNode(const FarmNodeOptions& options, SceneLoader loader, LightStarter light)
-    : controller_(std::move(loader), options.memory_limit_bytes, options.cache, std::move(light)),
-      render_thread_([this] {
-        give_way(kRaysGiveWay);
-        while (controller_.renders().wait()) controller_.renders().work();
-      }),
+    : controller_(std::move(loader), options.memory_limit_bytes, options.cache, std::move(light), options.crew),
       load_thread_([this] {
         give_way(kRaysGiveWay);
         while (controller_.loads().wait()) controller_.loads().work();
       }),
       light_thread_([this] {
         while (controller_.lights().wait()) controller_.lights().work();
-      }) {}
+      }) {
+  for (std::size_t lane = 0; lane < controller_.renders().lanes(); ++lane) {
+    render_threads_.emplace_back([this, lane] {
+      give_way(kRaysGiveWay);
+      while (controller_.renders().wait()) controller_.renders().work(lane);
+    });
+  }
+}
 
 FarmNode::~FarmNode() { stop(); }
 
@@ -73,7 +70,9 @@ void FarmNode::stop() {
   controller_.renders().stop();
   controller_.loads().stop();
   controller_.lights().stop();
-  if (render_thread_.joinable()) render_thread_.join();
+  for (std::thread& render : render_threads_) {
+    if (render.joinable()) render.join();
+  }
   if (load_thread_.joinable()) load_thread_.join();
   if (light_thread_.joinable()) light_thread_.join();
 }

@@ -19,10 +19,15 @@ namespace cyclorama::node {
 
 class CoordinatorConnection;
 
+/// Nice value of the threads that render. They use all processors, and must delay neither orders nor tiles.
+inline constexpr int kRaysGiveWay = 5;
+
 struct FarmNodeOptions {
   std::vector<std::string> coordinators{};  ///< Addresses such as "[::1]:7402"; all are served at once.
   std::string name{};                       ///< Name shown to the operator.
   int threads = 1;                          ///< Threads of the renderer; the coordinator balances by this number.
+  /// The threads, which the loaded scenes use, too.
+  std::shared_ptr<render::Crew> crew = std::make_shared<render::Crew>(1);
   std::uint64_t memory_limit_bytes = 0;     ///< Limit for scenes and films together; 0: scenes are not limited.
   /// Cache for distributed scenes. A node without a cache folder accepts no distributed scenes.
   scene_distribution::SceneCacheOptions cache{};
@@ -30,8 +35,8 @@ struct FarmNodeOptions {
   std::optional<TlsFiles> tls{};  ///< Empty: unencrypted, for coordinators on this machine.
 };
 
-/// Serves its coordinators until stopped; never listens. Threads: `render`, `load`, `light`, and for each coordinator
-/// `link` and `send` (coordinator_connection.h); the renderer adds its own. A block whose stream ended is abandoned at
+/// Serves its coordinators until stopped; never listens. Threads: `render` for each lane (block_lanes.h), the crew's,
+/// `load`, `light`, and for each coordinator `link` and `send` (coordinator_connection.h). A block whose stream ended is abandoned at
 /// once, because the coordinator has reassigned it. Scenes stay loaded throughout, and the coordinators share them.
 /// Thread-safe.
 class FarmNode {
@@ -61,7 +66,7 @@ class FarmNode {
   FarmNode(const FarmNodeOptions& options, SceneLoader loader, LightStarter light);
 
   NodeController controller_;
-  std::thread render_thread_;
+  std::vector<std::thread> render_threads_;  ///< One for each lane.
   std::thread load_thread_;
   std::thread light_thread_;
   std::vector<std::unique_ptr<CoordinatorConnection>> coordinators_;  ///< Not changed after start().

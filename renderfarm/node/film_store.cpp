@@ -16,6 +16,7 @@ std::size_t bytes_of(const FilmStore::Kept& kept) {
 }  // namespace
 
 FilmStore::Kept FilmStore::take(const Session& session, const std::string& picture, const PixelRect& tile) {
+  const std::lock_guard lock(mutex_);
   const auto found = sessions_.find(session);
   if (found == sessions_.end() || found->second.name != picture) return {};
   const auto kept = found->second.tiles.find(tile);
@@ -27,6 +28,7 @@ FilmStore::Kept FilmStore::take(const Session& session, const std::string& pictu
 }
 
 void FilmStore::put(const Session& session, const std::string& picture, const PixelRect& tile, Kept kept) {
+  const std::lock_guard lock(mutex_);
   auto place = sessions_.try_emplace(session).first;
   if (place->second.name != picture) {
     drop(place);
@@ -46,13 +48,20 @@ void FilmStore::put(const Session& session, const std::string& picture, const Pi
 }
 
 void FilmStore::forget(const Session& session) {
+  const std::lock_guard lock(mutex_);
   if (const auto found = sessions_.find(session); found != sessions_.end()) drop(found);
 }
 
 void FilmStore::forget_link(LinkId link) {
+  const std::lock_guard lock(mutex_);
   for (auto session = sessions_.lower_bound({link, 0}); session != sessions_.end() && session->first.link == link;) {
     session = drop(session);
   }
+}
+
+std::size_t FilmStore::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return bytes_;
 }
 
 FilmStore::Pictures::iterator FilmStore::drop(Pictures::iterator session) {

@@ -4,6 +4,7 @@
 #include <compare>
 #include <cstdint>
 #include <map>
+#include <mutex>
 #include <string>
 
 #include "common/image/pixel_rect.h"
@@ -13,7 +14,7 @@
 namespace cyclorama::node {
 
 /// The sample sums of pictures at rest, one picture per session, tile by tile, so that a node need not render a sample
-/// twice. A forgotten film is rendered again, which costs time but changes no pixel. Thread-bound.
+/// twice. A forgotten film is rendered again, which costs time but changes no pixel. Thread-safe.
 class FilmStore {
  public:
   struct Kept {
@@ -41,7 +42,7 @@ class FilmStore {
   /// Forgets all sessions of a coordinator's stream that has ended.
   void forget_link(LinkId link);
 
-  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+  [[nodiscard]] std::size_t bytes() const;
 
  private:
   struct Picture {
@@ -50,9 +51,11 @@ class FilmStore {
     std::uint64_t used = 0;  ///< Use counter; the smallest is the least recently used.
   };
   using Pictures = std::map<Session, Picture>;
+  /// Precondition: the mutex is held.
   Pictures::iterator drop(Pictures::iterator session);
 
   const std::size_t max_bytes_;
+  mutable std::mutex mutex_;  ///< Guards the following.
   std::size_t bytes_ = 0;
   std::uint64_t uses_ = 0;
   Pictures sessions_;

@@ -19,11 +19,12 @@ std::uint64_t film_bytes(std::uint64_t memory_limit_bytes) {
 }  // namespace
 
 NodeController::NodeController(SceneLoader loader, std::uint64_t memory_limit_bytes,
-                               scene_distribution::SceneCacheOptions cache, LightStarter light)
+                               scene_distribution::SceneCacheOptions cache, LightStarter light,
+                               std::shared_ptr<render::Crew> crew)
     : begun_(clock_.now()),
       scenes_(std::move(loader), memory_limit_bytes == 0 ? 0 : memory_limit_bytes - film_bytes(memory_limit_bytes),
               LightFiles(cache.folder), light != nullptr),
-      renders_(scenes_, film_bytes(memory_limit_bytes)),
+      renders_(scenes_, film_bytes(memory_limit_bytes), std::move(crew)),
       lights_(std::move(light), LightFiles(cache.folder),
               {[this] { return renders_.waiting() > 0; }, [this](const std::string& path) { return scenes_.has(path); },
                [this](const std::string& path, const wire::LightPieces& pieces) { light_progressed(path, pieces); },
@@ -38,7 +39,7 @@ std::shared_ptr<NodeLink> NodeController::open(std::shared_ptr<grpc::Channel> fi
   std::shared_ptr<NodeLink> link;
   {
     const std::lock_guard lock(mutex_);
-    link = std::make_shared<NodeLink>(++opened_, std::move(files));
+    link = std::make_shared<NodeLink>(++opened_, std::move(files), renders_.crew().threads());
     links_.emplace(link->id(), link);
   }
   renders_.open(link);

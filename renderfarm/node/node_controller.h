@@ -25,9 +25,10 @@ namespace cyclorama::node {
 class NodeController {
  public:
   /// `memory_limit_bytes` limits scenes and films together; a quarter of it, at most 1 GiB, is for films. 0: scenes are
-  /// not limited. See SceneFetcher for `cache`. Without `light`, the node computes no light.
+  /// not limited. See SceneFetcher for `cache`. Without `light`, the node computes no light. The scenes that `loader`
+  /// loads use the crew, too.
   NodeController(SceneLoader loader, std::uint64_t memory_limit_bytes, scene_distribution::SceneCacheOptions cache = {},
-                 LightStarter light = nullptr);
+                 LightStarter light = nullptr, std::shared_ptr<render::Crew> crew = std::make_shared<render::Crew>(1));
 
   /// Begins a stream to a coordinator; it lasts until close(). See NodeLink for `files`.
   std::shared_ptr<NodeLink> open(std::shared_ptr<grpc::Channel> files = nullptr);

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/node/node_link.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace cyclorama::node {
 namespace {
-/// Maximum number of queued items: enough that rendering never waits for an encoder that keeps up, and few enough that
-/// a slow network suspends rendering.
-constexpr std::size_t kMaxOutgoing = 4;
+/// Least of the maximum number of queued items: enough that rendering never waits for an encoder that keeps up, and few
+/// enough that a slow network suspends rendering. Many threads render and encode many tiles at a time.
+constexpr int kMinMaxOutgoing = 4;
 }  // namespace
+
+NodeLink::NodeLink(LinkId id, std::shared_ptr<grpc::Channel> files, int threads)
+    : id_(id),
+      files_(std::move(files)),
+      max_outgoing_(static_cast<std::size_t>(std::max(kMinMaxOutgoing, threads / 2))) {}
 
 void NodeLink::push(Outgoing item) {
   {
@@ -21,7 +27,7 @@ void NodeLink::push(Outgoing item) {
 
 bool NodeLink::takes_tiles() const {
   const std::lock_guard lock(mutex_);
-  return outgoing_.size() < kMaxOutgoing;
+  return outgoing_.size() < max_outgoing_;
 }
 
 std::optional<NodeLink::Outgoing> NodeLink::pop(TimePoint deadline) {

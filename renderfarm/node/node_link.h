@@ -53,8 +53,9 @@ class NodeLink {
  public:
   using Outgoing = std::variant<wire::NodeReport, RenderedTile, RenderedBlock>;
 
-  /// `files` is the channel on which the coordinator distributes files; null if it distributes none.
-  explicit NodeLink(LinkId id, std::shared_ptr<grpc::Channel> files = nullptr) : id_(id), files_(std::move(files)) {}
+  /// `files` is the channel on which the coordinator distributes files; null if it distributes none. `threads` render
+  /// and encode.
+  explicit NodeLink(LinkId id, std::shared_ptr<grpc::Channel> files = nullptr, int threads = 1);
   [[nodiscard]] LinkId id() const { return id_; }
   [[nodiscard]] const std::shared_ptr<grpc::Channel>& files() const { return files_; }
 
@@ -74,6 +75,7 @@ class NodeLink {
  private:
   const LinkId id_;
   const std::shared_ptr<grpc::Channel> files_;
+  const std::size_t max_outgoing_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Outgoing> outgoing_;

@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "common/base/give_way.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
@@ -44,13 +45,14 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
   if (!arguments.light_of.empty()) {
     return run_light_program(arguments.light_of, arguments.light_file, arguments.options.threads);
   }
-  TRY_ASSIGN(const FarmNodeOptions options, options_from(arguments));
+  TRY_ASSIGN(FarmNodeOptions options, options_from(arguments));
   if (arguments.is_check) return Done{};
   // Without a cache, as in tests and benchmarks, no light is written into the scene's folder, because others may
   // measure that scene.
   const bool has_light = options.computes_light && !options.cache.folder.empty();
   const LightStarter light = has_light ? light_process_starter(options.threads) : nullptr;
-  TRY_ASSIGN(const auto node, FarmNode::start(options, embree_scene_loader(options.threads), light));
+  options.crew = std::make_shared<render::Crew>(options.threads, [] { give_way(kRaysGiveWay); });
+  TRY_ASSIGN(const auto node, FarmNode::start(options, embree_scene_loader(options.crew), light));
   Notify notify;
   notify.ready();
   std::string last_state;

@@ -103,38 +103,56 @@ void RenderQueue::drop(LinkId link) {
   lanes_.erase(link);
 }
 
-RenderQueue::Flows::const_iterator RenderQueue::first(const TakesTiles& takes_tiles) const {
-  auto best = flows_.end();
-  for (auto flow = flows_.begin(); flow != flows_.end(); ++flow) {
-    if (best != flows_.end() && flow->first.work != best->first.work) break;  // Flows are sorted by class.
-    if (!takes_tiles(flow->first.link)) continue;
-    if (best == flows_.end() || flow->second.turn() < best->second.turn()) best = flow;
+std::shared_ptr<const BlockOrder> RenderQueue::next(const May& may) const {
+  for (const auto& [arrival, order] : cancelled_) {
+    if (may(*order)) return order;
+  }
+  std::shared_ptr<const BlockOrder> best;
+  std::optional<std::pair<std::size_t, Turn>> best_turn;
+  for (const auto& [name, flow] : flows_) {
+    if (best_turn && best_turn->first != name.work) break;  // Flows are sorted by class.
+    const std::pair turn{name.work, flow.turn()};
+    if (best_turn && *best_turn < turn) continue;
+    const auto waiting = std::ranges::find_if(flow.waiting, [&](const auto& entry) { return may(*entry.second); });
+    if (waiting == flow.waiting.end()) continue;
+    best = waiting->second;
+    best_turn = turn;
   }
   return best;
 }
 
-std::shared_ptr<const BlockOrder> RenderQueue::next(const TakesTiles& takes_tiles) const {
-  if (!cancelled_.empty()) return cancelled_.begin()->second;
-  const auto flow = first(takes_tiles);
-  return flow == flows_.end() ? nullptr : flow->second.waiting.begin()->second;
+bool RenderQueue::has(const BlockOrder& order) const {
+  const auto found = entries_.find({order.link, order.block.block()});
+  return found != entries_.end() && found->second.order.get() == &order;
 }
 
-double RenderQueue::seconds_ahead(const TakesTiles& takes_tiles) const {
+std::optional<RenderQueue::Place> RenderQueue::place_of(const BlockOrder& order) const {
+  if (!has(order) || order.cancelled) return std::nullopt;
+  const Entry& entry = entries_.at({order.link, order.block.block()});
+  return Place{entry.flow.work, flows_.at(entry.flow).turn(), entry.turn};
+}
+
+bool RenderQueue::precedes(const BlockOrder& one, const BlockOrder& other) const {
+  const auto before = place_of(other);
+  if (!before) return false;
+  const auto place = place_of(one);
+  return !place || *place < *before;
+}
+
+double RenderQueue::seconds_ahead(const BlockOrder& of, const May& may) const {
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  const auto flow = first(takes_tiles);
-  if (flow == flows_.end()) return kNever;
+  const auto found = entries_.find({of.link, of.block.block()});
+  if (found == entries_.end()) return kNever;
+  const auto own = flows_.find(found->second.flow);
+  if (own == flows_.end()) return kNever;
   double next = kNever;
-  for (auto other = std::next(flow); other != flows_.end(); ++other) {
-    if (other->first.work != flow->first.work) break;
-    if (takes_tiles(other->first.link)) next = std::min(next, other->second.turn().first);
+  for (auto other = flows_.begin(); other != flows_.end(); ++other) {
+    if (other->first.work != own->first.work || other == own) continue;
+    const bool waits =
+        std::ranges::any_of(other->second.waiting, [&](const auto& entry) { return may(*entry.second); });
+    if (waits) next = std::min(next, other->second.turn().first);
   }
-  for (auto other = flow; other != flows_.begin();) {
-    --other;
-    if (other->first.work != flow->first.work) break;
-    if (takes_tiles(other->first.link)) next = std::min(next, other->second.turn().first);
-  }
-  const wire::RenderBlock& block = flow->second.waiting.begin()->second->block;
-  return (next - flow->second.turn().first) / (kPerSecond * rate_of(block));
+  return (next - own->second.turn().first) / (kPerSecond * rate_of(of.block));
 }
 
 }  // namespace cyclorama::node

@@ -9,6 +9,8 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
+#include <tuple>
 #include <utility>
 
 #include "common/wire/nodes.pb.h"
@@ -43,11 +45,12 @@ struct BlockOrder {
 ///
 /// Ranks of different coordinators are not comparable, since each coordinator counts from its own start. A coordinator
 /// that had no block here joins at the current rank, and its ranks continue from there for as long as it has blocks, as
-/// start-time fair queueing treats a new session (coordinator/accounts.h). The current block stays in the queue.
-/// Between two pieces of work next() returns a different block if one precedes it by now. Pure; thread-bound.
+/// start-time fair queueing treats a new session (coordinator/accounts.h). Blocks in work stay in the queue: between two
+/// pieces of work next() returns a different block if one precedes it by now. Pure; thread-bound.
 class RenderQueue {
  public:
-  using TakesTiles = std::function<bool(LinkId)>;
+  /// Returns true if a block may be chosen.
+  using May = std::function<bool(const BlockOrder&)>;
 
   /// Queues a block. Returns false if the link already has a block of this number, or too many blocks; its coordinator
   /// then violates the protocol.
@@ -61,12 +64,16 @@ class RenderQueue {
   /// Cancels and removes all blocks of the link.
   void drop(LinkId link);
 
-  /// Returns the block to render next; null if there is none. A block whose link fails `takes_tiles` waits, unless it
-  /// was cancelled.
-  [[nodiscard]] std::shared_ptr<const BlockOrder> next(const TakesTiles& takes_tiles) const;
-  /// Returns the thread time that the block of next() may use before a block of another account precedes it; infinite
-  /// if there is no other account. Ignores blocks whose links fail `takes_tiles`.
-  [[nodiscard]] double seconds_ahead(const TakesTiles& takes_tiles) const;
+  /// Returns the first block that `may` be rendered next; null if there is none.
+  [[nodiscard]] std::shared_ptr<const BlockOrder> next(const May& may) const;
+  /// Returns true if `one` goes before `other`. A block that is not in the queue, as its link was dropped, goes first,
+  /// like a cancelled one.
+  [[nodiscard]] bool precedes(const BlockOrder& one, const BlockOrder& other) const;
+  /// Returns the thread time that a block may use before one of another account, which `may` be rendered, precedes it;
+  /// infinite if there is none.
+  [[nodiscard]] double seconds_ahead(const BlockOrder& of, const May& may) const;
+  /// Returns false once the block was removed, or its link dropped.
+  [[nodiscard]] bool has(const BlockOrder& order) const;
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
  private:
@@ -97,7 +104,10 @@ class RenderQueue {
   };
   using Flows = std::map<FlowName, Flow>;
 
-  [[nodiscard]] Flows::const_iterator first(const TakesTiles& takes_tiles) const;
+  /// A block's place in the order: the class of its work, its account's turn, and its own.
+  using Place = std::tuple<std::size_t, Turn, Turn>;
+  /// Returns nothing for a block that is cancelled or not in the queue.
+  [[nodiscard]] std::optional<Place> place_of(const BlockOrder& order) const;
   /// Counts what a block's coordinator states that others of its accounts have received from the whole farm.
   void take_service(const wire::RenderBlock& block, LinkId link);
   /// Removes a block from its flow, if it is there.

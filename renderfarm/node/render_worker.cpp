@@ -12,12 +12,29 @@ namespace {
 /// Maximum size of an order, far more than the name of a scene and a view need.
 constexpr std::size_t kMaxOrderBytes = 4096;
 constexpr std::size_t kMaxEndedSessions = 4096;
-/// Minimum duration of a piece, so that accounts that wait for each other do not alternate at every cell. A block that
-/// arrives later and precedes the current one need not wait for it.
-constexpr double kMinPieceSeconds = 0.005;
-/// Maximum time between two reports of progress.
-constexpr double kMaxPieceSeconds = 0.05;
+
+/// Returns a lane's order among the crew's pictures. Tiles are encoded before, with order 0, since a node of one thread
+/// would otherwise encode none until a block's piece ends.
+std::uint64_t order_of(const BlockLanes::Lane& lane) { return lane.place + 1; }
+
+/// Counts for its lifetime.
+class Counted {
+ public:
+  explicit Counted(std::atomic<int>& count) : count_(count) { ++count_; }
+  ~Counted() { --count_; }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+
+ private:
+  std::atomic<int>& count_;
+};
+
 }  // namespace
+
+RenderWorker::RenderWorker(SceneStore& scenes, std::size_t max_film_bytes, std::shared_ptr<render::Crew> crew)
+    : scenes_(scenes), films_(max_film_bytes), crew_(std::move(crew)), lanes_(lanes_for(crew_->threads())) {
+  for (std::size_t lane = 0; lane < lanes_.lanes().size(); ++lane) running_.push_back(std::make_unique<Running>());
+}
 
 void RenderWorker::open(std::shared_ptr<NodeLink> link) {
   const std::lock_guard lock(mutex_);
@@ -29,7 +46,7 @@ void RenderWorker::drop(LinkId link) {
   {
     const std::lock_guard lock(mutex_);
     links_.erase(link);
-    queue_.drop(link);
+    lanes_.queue().drop(link);
     dropped_.push_back(link);
     look_again();
   }
@@ -46,7 +63,7 @@ Status RenderWorker::take(LinkId link, const wire::RenderBlock& block) {
   {
     const std::lock_guard lock(mutex_);
     order->rendered_before = rendered_seconds();
-    if (!queue_.add(std::move(order))) {
+    if (!lanes_.queue().add(std::move(order))) {
       return Error(ErrorCode::kBadData,
                    fmt::format("the coordinator sent block {} twice, or too many blocks", block.block()));
     }
@@ -59,7 +76,7 @@ Status RenderWorker::take(LinkId link, const wire::RenderBlock& block) {
 void RenderWorker::cancel(LinkId link, std::uint64_t block) {
   {
     const std::lock_guard lock(mutex_);
-    queue_.cancel(link, block);
+    lanes_.queue().cancel(link, block);
     look_again();
   }
   changed_.notify_all();
@@ -84,11 +101,11 @@ void RenderWorker::link_moved() {
 
 std::size_t RenderWorker::waiting() const {
   const std::lock_guard lock(mutex_);
-  return queue_.size();
+  return lanes_.queue().size();
 }
 
 bool RenderWorker::wait_until_idle(TimePoint deadline, Duration quiet) {
-  const auto has_work = [this] { return queue_.size() > 0; };
+  const auto has_work = [this] { return lanes_.queue().size() > 0; };
   std::unique_lock lock(mutex_);
   for (;;) {
     if (!changed_.wait_until(lock, deadline, [&] { return !has_work(); })) return false;
@@ -98,7 +115,7 @@ bool RenderWorker::wait_until_idle(TimePoint deadline, Duration quiet) {
 }
 
 bool RenderWorker::has_moved_since(TimePoint since) const {
-  return !rendering_ || TimePoint(Duration(moved_at_.load())) >= since;
+  return rendering_ == 0 || TimePoint(Duration(moved_at_.load())) >= since;
 }
 
 void RenderWorker::stop() {
@@ -109,30 +126,28 @@ void RenderWorker::stop() {
   changed_.notify_all();
 }
 
-RenderQueue::TakesTiles RenderWorker::takes_tiles() const {
-  return [this](LinkId link) {
-    const auto found = links_.find(link);
+RenderQueue::May RenderWorker::takes_tiles() const {
+  return [this](const BlockOrder& order) {
+    const auto found = links_.find(order.link);
     return found == links_.end() || found->second->takes_tiles();
   };
 }
 
-std::shared_ptr<const BlockOrder> RenderWorker::next() const { return queue_.next(takes_tiles()); }
+std::shared_ptr<const BlockOrder> RenderWorker::next() const { return lanes_.next(takes_tiles()); }
 
 void RenderWorker::look_again() {
-  preempted_ = at_work_ != nullptr && next() != at_work_;
-  if (at_work_ != nullptr && !preempted_) limit_piece();
-}
-
-void RenderWorker::limit_piece() {
-  const double ahead = queue_.seconds_ahead(takes_tiles()) / parallelism_;
-  const double seconds = std::min(kMaxPieceSeconds, std::max(ahead, kMinPieceSeconds));
-  ends_at_ = (piece_began_at_ + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds)))
-                 .time_since_epoch()
-                 .count();
+  lanes_.update(takes_tiles());
+  for (std::size_t i = 0; i < running_.size(); ++i) {
+    const BlockLanes::Lane& lane = lanes_.lanes()[i];
+    Running& running = *running_[i];
+    running.is_preempted = lane.is_preempted;
+    running.ends_at = lane.ends_at.time_since_epoch().count();
+    if (running.picture) running.picture->set_order(order_of(lane));
+  }
 }
 
 double RenderWorker::rendered_seconds() const {
-  return rendered_seconds_ + (at_work_ == nullptr ? 0.0 : to_seconds(SteadyClock().now() - piece_began_at_));
+  return rendered_seconds_ + (busy_lanes_ == 0 ? 0.0 : to_seconds(SteadyClock().now() - busy_since_));
 }
 
 bool RenderWorker::wait() {
@@ -142,83 +157,98 @@ bool RenderWorker::wait() {
   return !stopping_;
 }
 
-bool RenderWorker::work() {
-  const auto order = begin_piece();
+bool RenderWorker::work(std::size_t lane) {
+  const auto order = begin_piece(lane);
   if (order == nullptr) return false;
-  end_piece(advance(order));
+  end_piece(lane, advance(lane, order));
   return true;
 }
 
-std::shared_ptr<const BlockOrder> RenderWorker::begin_piece() {
+std::shared_ptr<const BlockOrder> RenderWorker::begin_piece(std::size_t lane) {
   const std::lock_guard lock(mutex_);
   for (const FilmStore::Session& session : std::exchange(ended_sessions_, {})) films_.forget(session);
   for (const LinkId link : std::exchange(dropped_, {})) {
     films_.forget_link(link);
-    std::erase_if(begun_, [&](const auto& begun) { return begun.second.order().link == link; });
+    std::erase_if(begun_, [&](const auto& begun) {
+      return begun.second.work.order().link == link && !lanes_.is_in_work(*begun.first);
+    });
   }
-  at_work_ = next();
-  piece_began_at_ = SteadyClock().now();
-  preempted_ = false;
-  limit_piece();
-  return at_work_;
+  const TimePoint now = SteadyClock().now();
+  const auto order = lanes_.begin(lane, now, takes_tiles());
+  if (order == nullptr) return nullptr;
+  if (busy_lanes_++ == 0) busy_since_ = now;
+  running_[lane]->picture.emplace(*crew_, order_of(lanes_.lanes()[lane]));
+  look_again();
+  return order;
 }
 
-void RenderWorker::end_piece(double cpu_seconds) {
+void RenderWorker::end_piece(std::size_t lane, double cpu_seconds) {
   const std::lock_guard lock(mutex_);
-  const double wall_seconds = to_seconds(SteadyClock().now() - piece_began_at_);
-  if (cpu_seconds > 0.0 && wall_seconds > 0.0) {
-    constexpr double kNew = 0.2;
-    parallelism_ = std::max(1.0, (1.0 - kNew) * parallelism_ + kNew * cpu_seconds / wall_seconds);
-  }
-  rendered_seconds_ = rendered_seconds();
-  at_work_ = nullptr;
+  const std::shared_ptr<const BlockOrder> order = lanes_.lanes()[lane].order;
+  running_[lane]->picture.reset();
+  if (busy_lanes_ == 1) rendered_seconds_ = rendered_seconds();
+  --busy_lanes_;
+  lanes_.end(lane, SteadyClock().now(), cpu_seconds);
+  if (!lanes_.queue().has(*order)) begun_.erase(order.get());  // Its link was dropped meanwhile.
+  look_again();
+  changed_.notify_all();  // The block can go on in any lane.
 }
 
-double RenderWorker::advance(const std::shared_ptr<const BlockOrder>& order) {
+double RenderWorker::advance(std::size_t lane, const std::shared_ptr<const BlockOrder>& order) {
   if (order->cancelled) {
     end_block(*order, "cancelled");
     return 0.0;
   }
   try {
-    return render_piece(order);
+    return render_piece(lane, order);
   } catch (const std::bad_alloc&) {
-    rendering_ = false;
     end_block(*order, "this node has not enough memory for the block");
     return 0.0;
   }
 }
 
-double RenderWorker::render_piece(const std::shared_ptr<const BlockOrder>& order) {
-  auto found = begun_.find(order.get());
-  if (found == begun_.end()) {
-    auto begun = BlockWork::begin(order);
-    if (!begun) {
-      end_block(*order, begun.error().message());
-      return 0.0;
-    }
-    if (!order->block.keep()) films_.forget({order->link, order->block.session()});
-    found = begun_.emplace(order.get(), *std::move(begun)).first;
+RenderWorker::Begun* RenderWorker::begun_of(const std::shared_ptr<const BlockOrder>& order) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = begun_.find(order.get()); found != begun_.end()) return &found->second;
   }
-  BlockWork& work = found->second;
-  const double before = work.cost().cpu_seconds;
+  auto work = BlockWork::begin(order);
+  if (!work) {
+    end_block(*order, work.error().message());
+    return nullptr;
+  }
+  if (!order->block.keep()) films_.forget({order->link, order->block.session()});
+  const std::lock_guard lock(mutex_);
+  return &begun_.emplace(order.get(), Begun{*std::move(work)}).first->second;
+}
+
+double RenderWorker::render_piece(std::size_t lane, const std::shared_ptr<const BlockOrder>& order) {
+  Begun* const begun = begun_of(order);
+  if (begun == nullptr) return 0.0;
+  BlockWork& work = begun->work;
+  Running& running = *running_[lane];
+  const render::RenderCost before = {.cpu_seconds = work.cost().cpu_seconds, .wall_seconds = work.cost().wall_seconds};
   const BlockWork::Interrupts interrupts{[&] { return stopping_ || order->cancelled; },
                                          [&] {
                                            const Duration::rep now = SteadyClock().now().time_since_epoch().count();
                                            moved_at_ = now;
-                                           return preempted_ || now >= ends_at_;
+                                           return running.is_preempted || now >= running.ends_at;
                                          }};
   moved_at_ = SteadyClock().now().time_since_epoch().count();
-  rendering_ = true;
-  auto tile = work.next_tile(films_, interrupts);
-  rendering_ = false;
-  const double cpu_seconds = work.cost().cpu_seconds - before;
+  std::vector<RenderedTile> tiles;
+  {
+    const Counted counted(rendering_);
+    tiles = work.next_tiles(films_, *crew_, interrupts);
+  }
+  const double cpu_seconds = work.cost().cpu_seconds - before.cpu_seconds;
+  begun->wall_seconds += (work.cost().wall_seconds - before.wall_seconds) * running.picture->share();
   {
     const std::lock_guard lock(mutex_);
-    queue_.serve(order->link, order->block.block(), cpu_seconds);
+    lanes_.queue().serve(order->link, order->block.block(), cpu_seconds);
   }
-  if (tile) {
-    send(order->link, *std::move(tile));
-  } else if (auto progress = work.progress()) {
+  const bool has_tiles = !tiles.empty();
+  for (RenderedTile& tile : tiles) send(order->link, std::move(tile));
+  if (auto progress = has_tiles ? std::nullopt : work.progress()) {
     wire::NodeReport report;
     *report.mutable_progress() = *std::move(progress);
     send(order->link, std::move(report));
@@ -233,16 +263,20 @@ double RenderWorker::render_piece(const std::shared_ptr<const BlockOrder>& order
 
 void RenderWorker::end_block(const BlockOrder& order, std::string error) {
   RenderedBlock end{order.block.block(), {}, std::move(error)};
-  if (const auto begun = begun_.find(&order); begun != begun_.end()) {
-    end.cost = begun->second.cost();
-    begun_.erase(begun);
+  const auto begun = [&] {
+    const std::lock_guard lock(mutex_);
+    return begun_.extract(&order);
+  }();
+  if (begun) {
+    end.cost = begun.mapped().work.cost();
+    end.cost.wall_seconds = begun.mapped().wall_seconds;
     const std::lock_guard lock(mutex_);
     end.waited_seconds = std::max(0.0, rendered_seconds() - order.rendered_before - end.cost.wall_seconds);
   }
   send(order.link, std::move(end));
   {
     const std::lock_guard lock(mutex_);
-    queue_.remove(order.link, order.block.block());
+    lanes_.queue().remove(order.link, order.block.block());
   }
   changed_.notify_all();
 }

@@ -6,16 +6,11 @@
 #include "common/base/cpu_time.h"
 
 namespace cyclorama::node {
+namespace {
 
-wire::NodeReport TileSender::report_of(NodeLink::Outgoing item) {
-  if (auto* const report = std::get_if<wire::NodeReport>(&item)) return std::move(*report);
-  if (const auto* const tile = std::get_if<RenderedTile>(&item)) return encoded(*tile);
-  return end_of(std::get<RenderedBlock>(item));
-}
-
-wire::NodeReport TileSender::encoded(const RenderedTile& tile) {
-  const double begun = thread_cpu_seconds();
-  Encoding& encoding = blocks_[tile.block];
+/// Returns the report, or the reason why the tile cannot be encoded. The coordinator would refuse it without pixels, so
+/// the report has none then.
+wire::NodeReport encoded(const RenderedTile& tile, JpegEncoder& encoder, std::string* ret_error) {
   wire::NodeReport report;
   wire::BlockTile* const message = report.mutable_tile();
   message->set_block(tile.block);
@@ -24,15 +19,46 @@ wire::NodeReport TileSender::encoded(const RenderedTile& tile) {
   message->mutable_tile()->set_y_px(static_cast<std::uint32_t>(tile.rect.y));
   message->mutable_tile()->set_width_px(static_cast<std::uint32_t>(tile.rect.width));
   message->mutable_tile()->set_height_px(static_cast<std::uint32_t>(tile.rect.height));
-  if (const auto jpeg = encoder_.encode(tile.pixels, tile.options)) {
+  if (const auto jpeg = encoder.encode(tile.pixels, tile.options)) {
     message->mutable_tile()->set_jpeg(jpeg->data(), jpeg->size());
   } else {
-    // The coordinator refuses the tile, since it is empty; the block's end reports the reason.
-    encoding.error = jpeg.error().message();
+    *ret_error = jpeg.error().message();
   }
   if (!tile.depth.empty()) message->mutable_tile()->set_depth(encode_inverse_depth(tile.depth));
-  encoding.cpu_seconds += thread_cpu_seconds() - begun;
   return report;
+}
+
+}  // namespace
+
+std::vector<wire::NodeReport> TileSender::reports_of(std::vector<NodeLink::Outgoing> items) {
+  std::vector<wire::NodeReport> reports(items.size());
+  std::vector<Encoding> costs(items.size());
+  if (encoders_.size() < items.size()) encoders_.resize(items.size());
+  const auto encode = [&](int i) {
+    const auto index = static_cast<std::size_t>(i);
+    const auto* const tile = std::get_if<RenderedTile>(&items[index]);
+    if (tile == nullptr) return;
+    const double begun = thread_cpu_seconds();
+    reports[index] = encoded(*tile, encoders_[index], &costs[index].error);
+    costs[index].cpu_seconds = thread_cpu_seconds() - begun;
+  };
+  if (items.size() == 1) {
+    encode(0);  // A report, or the only tile, does not wait for a place among the crew.
+  } else {
+    crew_.run(static_cast<int>(items.size()), encode);
+  }
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (auto* const report = std::get_if<wire::NodeReport>(&items[i])) {
+      reports[i] = std::move(*report);
+    } else if (const auto* const tile = std::get_if<RenderedTile>(&items[i])) {
+      Encoding& encoding = blocks_[tile->block];
+      encoding.cpu_seconds += costs[i].cpu_seconds;
+      if (!costs[i].error.empty()) encoding.error = std::move(costs[i].error);
+    } else {
+      reports[i] = end_of(std::get<RenderedBlock>(items[i]));
+    }
+  }
+  return reports;
 }
 
 wire::NodeReport TileSender::end_of(const RenderedBlock& block) {

@@ -4,23 +4,26 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "common/base/clock.h"
 #include "common/image/jpeg.h"
 #include "renderfarm/node/node_link.h"
+#include "renderfarm/render/crew.h"
 
 namespace cyclorama::node {
 
-/// Encodes rendered tiles into reports and adds up the cost of encoding. Bound to the send thread, which encodes one
-/// tile while the render thread renders the next.
+/// Encodes rendered tiles into reports and adds up the cost of encoding. Bound to the send thread, which encodes tiles
+/// with the crew's help while the next are rendered. Keeps a reference to the crew.
 class TileSender {
  public:
-  /// Returns the report for an item. Items must come in the order of the link's queue: the tiles of a block, then its
-  /// end.
-  wire::NodeReport report_of(NodeLink::Outgoing item);
+  explicit TileSender(render::Crew& crew) : crew_(crew) {}
+
+  /// Returns the reports for some items. Items must come in the order of the link's queue: the tiles of a block, then
+  /// its end.
+  std::vector<wire::NodeReport> reports_of(std::vector<NodeLink::Outgoing> items);
 
  private:
-  wire::NodeReport encoded(const RenderedTile& tile);
   wire::NodeReport end_of(const RenderedBlock& block);
 
   struct Encoding {
@@ -28,7 +31,8 @@ class TileSender {
     std::string error{};
   };
 
-  JpegEncoder encoder_;
+  render::Crew& crew_;
+  std::vector<JpegEncoder> encoders_;         ///< One for each item of the most at once.
   std::map<std::uint64_t, Encoding> blocks_;  ///< Blocks whose end has not come yet; their tiles may alternate.
 };
 

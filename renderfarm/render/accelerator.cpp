@@ -10,7 +10,6 @@
 
 #include "renderfarm/render/alpha_filter.h"
 #include "renderfarm/render/bake.h"
-#include "renderfarm/render/memory.h"
 #include "renderfarm/render/requirements.h"
 
 namespace cyclorama::render {
@@ -27,7 +26,7 @@ bool is_placeable(const Placement& placement) {
 
 Result<std::unique_ptr<Accelerator>> Accelerator::build(scene::Scene& scene, int threads,
                                                         const std::function<void(double)>& progress,
-                                                        TraceScene* ret_traced) {
+                                                        std::optional<MemoryMode> wanted, TraceScene* ret_traced) {
   std::unique_ptr<Accelerator> accelerator(new Accelerator());
   std::size_t triangles = 0;
   const std::vector<int> uses = uses_of_meshes(scene.model);
@@ -42,16 +41,18 @@ Result<std::unique_ptr<Accelerator>> Accelerator::build(scene::Scene& scene, int
   }
   RenderNeed need{triangles, scene.model.instances.size(), 0, splats};
   for (const scene::Texture& texture : scene.model.textures) need.mip_bytes += mip_bytes(texture);
+  accelerator->mode_ = wanted.value_or(MemoryMode::kFast);
   if (const std::optional<std::size_t> available = available_memory()) {
-    TRY(check_render_memory(scene.info.title, need, *available));
-    accelerator->limit_bytes_ = static_cast<std::int64_t>(memory_for_bvh(*available - need.mip_bytes)) -
-                                static_cast<std::int64_t>(triangles * sizeof(TriangleRecord));
+    TRY_ASSIGN(accelerator->mode_, choose_memory_mode(scene.info.title, need, *available, wanted));
+    accelerator->limit_bytes_ = static_cast<std::int64_t>(memory_for_bvh(*available - need.mip_bytes));
   }
+  const bool has_records = accelerator->mode_ == MemoryMode::kFast;
+  if (has_records) accelerator->limit_bytes_ -= static_cast<std::int64_t>(triangles * sizeof(TriangleRecord));
   TRY(accelerator->open_device(threads));
   TRY(accelerator->add_meshes(scene, ret_traced));
   tbb::task_arena(threads > 0 ? threads : tbb::task_arena::automatic).execute([&] {
     for (std::size_t i = 0; i < uses.size(); ++i) {
-      if (uses[i] > 0) ret_traced->meshes[i].records = make_triangle_records(scene.model.meshes[i]);
+      if (has_records && uses[i] > 0) ret_traced->meshes[i].records = make_triangle_records(scene.model.meshes[i]);
     }
   });
   ret_traced->textures.build(threads);
@@ -79,9 +80,15 @@ Status Accelerator::open_device(int threads) {
     return Error(ErrorCode::kSystem, "this Embree is built without filter functions, which cut-out materials need");
   }
   rtcSetDeviceMemoryMonitorFunction(device_, &count_memory, this);
-  top_ = rtcNewScene(device_);
-  rtcSetSceneFlags(top_, RTC_SCENE_FLAG_ROBUST);
+  top_ = new_scene();
   return check("making a scene");
+}
+
+RTCScene Accelerator::new_scene() const {
+  const RTCScene scene = rtcNewScene(device_);
+  rtcSetSceneFlags(
+      scene, mode_ == MemoryMode::kCompact ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_ROBUST);
+  return scene;
 }
 
 bool Accelerator::count_memory(void* self, ssize_t bytes, bool post) {
@@ -141,8 +148,7 @@ void Accelerator::add_mesh(const scene::Model& model, scene::Mesh& mesh, int use
   }
   part_of_mesh_.push_back(nullptr);
   if (uses < 2 || mesh.triangles.empty()) return;
-  const RTCScene part = rtcNewScene(device_);
-  rtcSetSceneFlags(part, RTC_SCENE_FLAG_ROBUST);
+  const RTCScene part = new_scene();
   const RTCGeometry geometry = make_triangles(mesh, &traced);
   rtcAttachGeometry(part, geometry);
   rtcReleaseGeometry(geometry);
@@ -183,8 +189,7 @@ void Accelerator::add_instance(scene::Model& model, scene::Instance& instance, c
 
 void Accelerator::add_pane(RTCGeometry geometry, TraceScene* ret_traced) {
   if (panes_ == nullptr) {
-    panes_ = rtcNewScene(device_);
-    rtcSetSceneFlags(panes_, RTC_SCENE_FLAG_ROBUST);
+    panes_ = new_scene();
     ret_traced->panes = panes_;
   }
   rtcAttachGeometryByID(panes_, geometry, static_cast<unsigned>(ret_traced->placements.size()));

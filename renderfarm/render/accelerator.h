@@ -6,9 +6,11 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/base/result.h"
+#include "renderfarm/render/memory.h"
 #include "renderfarm/render/splats/splat_scene.h"
 #include "renderfarm/render/trace_scene.h"
 
@@ -19,20 +21,23 @@ namespace cyclorama::render {
 class Accelerator {
  public:
   /// Builds the BVH of `scene`, bakes its meshes that have one instance (see bake()), and fills `ret_traced` with
-  /// tables that point into the scene. Errors: kInvalidArgument if there are neither triangles nor splats; kSystem if
-  /// the scene would not fit into memory or Embree fails.
+  /// tables that point into the scene. `wanted` is as in choose_memory_mode(). Errors: kInvalidArgument if there are
+  /// neither triangles nor splats; kSystem if the scene would not fit into memory or Embree fails.
   static Result<std::unique_ptr<Accelerator>> build(scene::Scene& scene, int threads,
                                                     const std::function<void(double)>& progress,
-                                                    TraceScene* ret_traced);
+                                                    std::optional<MemoryMode> wanted, TraceScene* ret_traced);
   ~Accelerator();
   Accelerator(const Accelerator&) = delete;
   Accelerator& operator=(const Accelerator&) = delete;
 
   [[nodiscard]] std::size_t bytes() const { return static_cast<std::size_t>(bytes_.load()); }
+  [[nodiscard]] MemoryMode mode() const { return mode_; }
 
  private:
   Accelerator() = default;
   Status open_device(int threads);
+  /// Returns a new scene of Embree with the flags that all have.
+  [[nodiscard]] RTCScene new_scene() const;
   /// Returns Embree's error since the last call as one sentence, prefixed with `doing`.
   Status check(const char* doing) const;
   Status add_meshes(scene::Scene& scene, TraceScene* ret_traced);
@@ -48,6 +53,7 @@ class Accelerator {
   Status commit(const std::function<void(double)>& progress);
   static bool count_memory(void* self, ssize_t bytes, bool post);
 
+  MemoryMode mode_ = MemoryMode::kFast;
   RTCDevice device_ = nullptr;
   RTCScene top_ = nullptr;
   RTCScene panes_ = nullptr;  ///< Null if there are no panes.

@@ -91,7 +91,7 @@ bool find_contrast(const TraceView& view, const TraceCell& cell, CellFilm& film)
 std::uint64_t sample_cell(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,
                           PathBatch& batch, CellFilm& film) {
   const bool adaptive = view.quality.adaptive_error > 0.0f;
-  if (view.quality.stored_light && scene.light != nullptr && !adaptive) {
+  if (view.quality.stored_light && view.light != nullptr && !adaptive) {
     TraceCell part = cell;
     part.first_sample = view.quality.first_sample;
     part.samples = 1;

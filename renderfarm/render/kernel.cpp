@@ -153,7 +153,7 @@ void trace_paths(const TraceScene& scene, ShadeStage shade, const TraceView& vie
     const bool is_camera = coherence == Coherence::kCoherent;  // Only camera rays are coherent.
     if (view.depth && is_camera) note_depth(batch, film);
     if (scene.splats != nullptr) cross_splats(scene, view, is_camera, batch, film);
-    if (ends_at_stored_light(scene, view)) end_at_stored_light(scene, view, batch);
+    if (ends_at_stored_light(view)) end_at_stored_light(scene, view, batch);
     if (rays.count() > 0) {
       draw_random_numbers(batch);
       shade(scene, view, batch, film);

@@ -34,6 +34,7 @@ struct TraceView {
   float exposure = 1.0f;
   scene::ToneCurve tone = scene::ToneCurve::kShoulder;
   scene::LampLevels lamps = scene::kAuthoredLamps;
+  const light::LightStore* light = nullptr;  ///< Stored light, which fits the placements; null if there is none.
   bool features = false;
   bool depth = false;
   /// Paths of more scatterings do not read stored light. It holds all bounces, so a path that reads it late has more

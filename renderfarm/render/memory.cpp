@@ -8,13 +8,15 @@
 #include <sstream>
 
 #include "common/base/text.h"
+#include "renderfarm/render/triangle_record.h"
 
 namespace cyclorama::render {
 namespace {
 
-/// Peak memory of the BVH while it is built, plus 64 bytes of TriangleRecord. The BVH was measured as 110 bytes with
-/// Embree 3.13 on meshes of 0.7 to 6 million triangles; the rest is margin.
-constexpr std::size_t kPeakBytesPerTriangle = 120 + 64;
+/// Peak memory that the BVH reserves while it is built. It was measured as 110 and 68 bytes with Embree 3.13 on meshes
+/// of 0.7 to 6 million triangles; the rest is margin. The compact one touches 37 bytes of them.
+constexpr std::size_t kPeakBytesPerTriangle = 120;
+constexpr std::size_t kPeakCompactBytesPerTriangle = 72;
 constexpr std::size_t kBytesPerInstance = 1024;
 /// `./bench.sh splats` measures 64 bytes of record and about 80 of BVH once it is built; the rest is margin.
 constexpr std::size_t kPeakBytesPerSplat = 400;
@@ -86,11 +88,22 @@ std::optional<std::size_t> available_memory(const std::filesystem::path& root) {
 
 std::size_t memory_for_bvh(std::size_t available) { return available > kReserveBytes ? available - kReserveBytes : 0; }
 
-Status check_render_memory(std::string_view title, const RenderNeed& need, std::size_t available) {
-  const std::size_t bvh =
-      need.triangles * kPeakBytesPerTriangle + need.instances * kBytesPerInstance + need.splats * kPeakBytesPerSplat;
+std::string_view name_of(MemoryMode mode) {
+  if (mode == MemoryMode::kFast) return "fast";
+  return mode == MemoryMode::kMedium ? "medium" : "compact";
+}
+
+Result<MemoryMode> choose_memory_mode(std::string_view title, const RenderNeed& need, std::size_t available,
+                                      std::optional<MemoryMode> wanted) {
   const std::size_t free = memory_for_bvh(available);
-  if (bvh <= free && need.mip_bytes <= free - bvh) return Done{};
+  std::size_t bvh = 0;
+  for (const MemoryMode mode : kMemoryModes) {
+    if (wanted && *wanted != mode) continue;
+    std::size_t of_triangle = mode == MemoryMode::kCompact ? kPeakCompactBytesPerTriangle : kPeakBytesPerTriangle;
+    if (mode == MemoryMode::kFast) of_triangle += sizeof(TriangleRecord);
+    bvh = need.triangles * of_triangle + need.instances * kBytesPerInstance + need.splats * kPeakBytesPerSplat;
+    if (bvh <= free && need.mip_bytes <= free - bvh) return mode;
+  }
   return Error(
       ErrorCode::kSystem,
       fmt::format("'{}' does not fit into memory: the BVH of its {:.1f} million triangles and splats needs about {}, "

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -28,6 +30,15 @@ namespace cyclorama::render {
 /// machine.
 [[nodiscard]] std::size_t memory_for_bvh(std::size_t available);
 
+/// Memory of each triangle against time for each ray; pictures are the same to the last bit.
+///   kFast     shading data of each triangle in a cache line of its own, and Embree's own copy of the vertices
+///   kMedium   without the former
+///   kCompact  without both
+/// `./bench.sh scene-memory` measures them.
+enum class MemoryMode : std::uint8_t { kFast, kMedium, kCompact };
+inline constexpr std::array kMemoryModes = {MemoryMode::kFast, MemoryMode::kMedium, MemoryMode::kCompact};
+[[nodiscard]] std::string_view name_of(MemoryMode mode);
+
 /// Memory that rendering needs besides the loaded scene.
 struct RenderNeed {
   std::size_t triangles = 0;
@@ -36,9 +47,10 @@ struct RenderNeed {
   std::size_t splats = 0;
 };
 
-/// Checks that rendering fits into memory. Errors: kSystem, with the scene's title, the memory needed and the memory
-/// available, if the need exceeds memory_for_bvh().
-Status check_render_memory(std::string_view title, const RenderNeed& need, std::size_t available);
+/// Returns the fastest mode in which rendering fits into memory; only `wanted` is considered if it is not null. Errors:
+/// kSystem, with the scene's title, the memory needed and the memory available, if the need exceeds memory_for_bvh().
+Result<MemoryMode> choose_memory_mode(std::string_view title, const RenderNeed& need, std::size_t available,
+                                      std::optional<MemoryMode> wanted);
 
 /// Formats a size, such as "3.4 GB".
 [[nodiscard]] std::string describe_bytes(std::size_t bytes);

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -20,6 +18,7 @@
 #include "renderfarm/render/accelerator.h"
 #include "renderfarm/render/bake.h"
 #include "renderfarm/render/cell_sampling.h"
+#include "renderfarm/render/crew.h"
 #include "renderfarm/render/flush_denormals.h"
 #include "renderfarm/render/requirements.h"
 #include "renderfarm/render/tone.h"
@@ -88,7 +87,7 @@ struct Renderer::State {
   std::shared_ptr<const light::LightStore> stored_light;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   double build_seconds = 0.0;
-  mutable tbb::task_arena arena;
+  std::shared_ptr<Crew> crew;
   mutable tbb::enumerable_thread_specific<std::unique_ptr<Workspace>> workspaces;
 
   RenderCost run(const PanoramaView& view, const PixelRect& rect, const std::function<bool()>& cancelled,
@@ -119,18 +118,25 @@ Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Renderer::~Renderer() = default;
 
 Result<std::unique_ptr<Renderer>> Renderer::build(scene::Scene scene, int threads,
-                                                  const std::function<void(double)>& progress) {
+                                                  const std::function<void(double)>& progress,
+                                                  std::optional<MemoryMode> mode) {
+  return build(std::move(scene), std::make_shared<Crew>(threads), progress, mode);
+}
+
+Result<std::unique_ptr<Renderer>> Renderer::build(scene::Scene scene, std::shared_ptr<Crew> crew,
+                                                  const std::function<void(double)>& progress,
+                                                  std::optional<MemoryMode> mode) {
   const SteadyClock clock;
   const TimePoint start = clock.now();
   auto state = std::make_unique<State>();
   state->scene = std::move(scene);
   scene::Scene& held = state->scene;
-  state->arena.initialize(threads > 0 ? threads : tbb::task_arena::automatic);
+  state->crew = std::move(crew);
   state->origin = render_origin(held);
   state->level = highest_surface_level(held);
   state->shade = shade_stage_for(state->level);
   TraceScene& traced = state->traced;
-  TRY_ASSIGN(state->accelerator, Accelerator::build(held, threads, progress, &traced));
+  TRY_ASSIGN(state->accelerator, Accelerator::build(held, state->crew->threads(), progress, mode, &traced));
   traced.ambient = held.ambient;
   traced.eye_lamp = held.eye_lamp;
   state->build_seconds = to_seconds(clock.now() - start);
@@ -154,6 +160,7 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
   traced_view.exposure = static_cast<float>(scene.exposure);
   traced_view.tone = scene.tone;
   traced_view.lamps = view.lamps;
+  traced_view.light = view.light != nullptr ? view.light.get() : traced.light;
   traced_view.features = output.features;
   traced_view.depth = output.depth;
 
@@ -195,7 +202,7 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
   if (count == 1) {
     trace_one(0);
   } else {
-    arena.execute([&] { tbb::parallel_for(0, count, trace_one, tbb::simple_partitioner()); });
+    crew->run(count, trace_one);
   }
   const double cpu_seconds = std::accumulate(cell_cpu_seconds.begin(), cell_cpu_seconds.end(), 0.0);
   const double all_light = light + removed_light;
@@ -289,9 +296,11 @@ const light::LightStore* Renderer::light() const { return state_->stored_light.g
 const TraceScene& Renderer::traced() const { return state_->traced; }
 SurfaceLevel Renderer::surface_level() const { return state_->level; }
 const Eigen::Vector3d& Renderer::origin() const { return state_->origin; }
+Crew& Renderer::crew() const { return *state_->crew; }
 const scene::Scene& Renderer::scene() const { return state_->scene; }
 const LightSet& Renderer::lights() const { return state_->traced.lights; }
 double Renderer::build_seconds() const { return state_->build_seconds; }
+MemoryMode Renderer::memory_mode() const { return state_->accelerator->mode(); }
 std::size_t Renderer::bvh_bytes() const { return state_->accelerator->bytes(); }
 std::size_t Renderer::shading_bytes() const {
   std::size_t bytes = mip_bytes() + lights().bytes();

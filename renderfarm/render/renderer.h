@@ -29,7 +29,9 @@ struct Scene;
 
 namespace cyclorama::render {
 
+class Crew;
 class LightSet;
+enum class MemoryMode : std::uint8_t;
 enum class SurfaceLevel : std::uint8_t;
 struct TraceScene;
 
@@ -41,6 +43,8 @@ struct PanoramaView {
   RenderQuality quality;
   /// Determines every random number, together with the pixel and the sample's number; tiling has no effect.
   std::uint64_t seed = 0;
+  /// Stored light that RenderQuality::stored_light reads; null: that of Renderer::set_light().
+  std::shared_ptr<const light::LightStore> light = nullptr;
   std::optional<Projection> projection = std::nullopt;  ///< The picture's shape; null means `panorama` seen by one eye.
   scene::LampLevels lamps = scene::kAuthoredLamps;      ///< Each in [0, kMaxLampLevel]; that of group 0 is 1.
   bool depth = false;  ///< Also records the inverse depth of each cell of 4x4 pixels, without effect on the picture.
@@ -68,11 +72,16 @@ struct RenderCost {
 /// One scene, committed for tracing. Thread-safe once built: several threads may call render() with their own images.
 class Renderer {
  public:
-  /// Takes the scene and builds the BVH with `threads` threads (0 uses all cores). `progress` may be null. Errors:
-  /// kInvalidArgument if the scene has neither triangles nor splats; kSystem if the scene would not fit into memory,
-  /// which is checked before the machine swaps.
+  /// Takes the scene and builds the BVH with `threads` threads (0 uses all cores). `progress` may be null. `mode` null
+  /// selects the fastest one that fits. Errors: kInvalidArgument if the scene has neither triangles nor splats; kSystem
+  /// if the scene would not fit into memory, which is checked before the machine swaps.
   static Result<std::unique_ptr<Renderer>> build(scene::Scene scene, int threads,
-                                                 const std::function<void(double)>& progress);
+                                                 const std::function<void(double)>& progress,
+                                                 std::optional<MemoryMode> mode = std::nullopt);
+  /// The same with threads that other renderers may use, too.
+  static Result<std::unique_ptr<Renderer>> build(scene::Scene scene, std::shared_ptr<Crew> crew,
+                                                 const std::function<void(double)>& progress,
+                                                 std::optional<MemoryMode> mode = std::nullopt);
   ~Renderer();
   /// Selects the kernel for surfaces of at least this level even if the scene needs less, to measure what higher levels
   /// cost. Must not be called while a picture is rendered.
@@ -112,9 +121,11 @@ class Renderer {
   [[nodiscard]] SurfaceLevel surface_level() const;     ///< The highest level of the scene's materials.
   [[nodiscard]] const Eigen::Vector3d& origin() const;  ///< The render frame's origin, in the Scene frame.
 
+  [[nodiscard]] Crew& crew() const;  ///< The threads that trace, for further work on pictures.
   [[nodiscard]] const scene::Scene& scene() const;
   [[nodiscard]] const LightSet& lights() const;  ///< Render frame.
   [[nodiscard]] double build_seconds() const;
+  [[nodiscard]] MemoryMode memory_mode() const;
   [[nodiscard]] std::size_t bvh_bytes() const;
   [[nodiscard]] std::size_t mip_bytes() const;  ///< Size of the textures' smaller levels.
   /// Returns the size of all that shading reads besides the scene: triangle records, smaller texture levels, tables of

@@ -64,7 +64,7 @@ class Shade {
     for (int i = 0; i < count; ++i) {
       // Memory access is the bottleneck, so the data of later rays is prefetched.
       if (i + kAhead < count) prefetch(i + kAhead);
-      if (i + kAhead / 2 < count) prefetch_texcoords(i + kAhead / 2);
+      if (i + kAhead / 2 < count) prefetch_vertices(i + kAhead / 2);
       PathRay& ray = batch_.current().state[static_cast<std::size_t>(i)];
       if (rays_.has_hit(i)) {
         at_hit(i, ray);
@@ -89,17 +89,13 @@ class Shade {
     const RTCHit hit = rays_.hit(i);
     const SurfaceMesh* const mesh = mesh_at(i, hit);
     if (mesh == nullptr) return;
-    __builtin_prefetch(&mesh->records[hit.primID]);
-    __builtin_prefetch(&mesh->triangles[hit.primID]);
+    mesh->prefetch(hit.primID);
   }
-  [[gnu::always_inline]] void prefetch_texcoords(int i) const {
+  [[gnu::always_inline]] void prefetch_vertices(int i) const {
     const RTCHit hit = rays_.hit(i);
     const SurfaceMesh* const mesh = mesh_at(i, hit);
     if (mesh == nullptr) return;
-    for (const std::array<float, 2>* const texcoords : mesh->texcoords) {
-      if (texcoords == nullptr) continue;
-      for (const std::uint32_t corner : mesh->triangles[hit.primID]) __builtin_prefetch(&texcoords[corner]);
-    }
+    mesh->prefetch_vertices(hit.primID);
   }
 
   [[nodiscard]] bool is_lamp(const RTCHit& hit) const {
@@ -227,14 +223,14 @@ class Shade {
   /// Returns the light that was computed ahead for this point; null if paths must be traced.
   [[nodiscard]] std::optional<Vec3> stored_light(const PathRay& ray, const RTCHit& hit, const TriangleHit& triangle,
                                                  const SurfacePoint& point, const Vec3& normal) const {
-    if (scene_.light == nullptr || !view_.quality.stored_light) return std::nullopt;
+    if (view_.light == nullptr || !view_.quality.stored_light) return std::nullopt;
     if (ray.scatterings > view_.max_stored_scatterings) return std::nullopt;
     const SurfaceMesh& mesh = *triangle.mesh;
     if (!reads_stored_light(*mesh.material)) return std::nullopt;
     const light::LightPlace place{top_of(hit), point.front ? 0 : 1, hit.primID, mesh.triangles[hit.primID],
                                   triangle.weights};
-    if (mesh.material->normal == nullptr) return scene_.light->lit(place, view_.lamps);
-    return scene_.light->lit(place, view_.lamps, [&](const light::LightStore& group) {
+    if (mesh.material->normal == nullptr) return view_.light->lit(place, view_.lamps);
+    return view_.light->lit(place, view_.lamps, [&](const light::LightStore& group) {
       return light::bent_share(group.direction_at(place), point.normal, normal);
     });
   }

@@ -15,7 +15,7 @@ constexpr int kAhead = 16;
 class StoredLightStage {
  public:
   StoredLightStage(const TraceScene& scene, const TraceView& view, PathBatch& batch)
-      : scene_(scene), view_(view), light_(*scene.light), batch_(batch), rays_(batch.current().rays) {}
+      : scene_(scene), view_(view), light_(*view.light), batch_(batch), rays_(batch.current().rays) {}
 
   void run() {
     std::array<PathRay, kMaxRays>& state = batch_.current().state;
@@ -52,8 +52,7 @@ class StoredLightStage {
     const RTCHit hit = rays_.hit(i);
     const Placement* const placement = plain_at(i, hit);
     if (placement == nullptr) return;
-    __builtin_prefetch(&placement->mesh->records[hit.primID]);
-    __builtin_prefetch(&placement->mesh->triangles[hit.primID]);
+    placement->mesh->prefetch(hit.primID);
   }
   [[gnu::always_inline]] void prefetch_light(int i) const {
     const RTCHit hit = rays_.hit(i);
@@ -79,12 +78,10 @@ class StoredLightStage {
     if (placement == nullptr) return false;
     const SurfaceMesh& mesh = *placement->mesh;
     TriangleHit triangle;
-    triangle.placement = placement;
-    triangle.mesh = &mesh;
-    triangle.record = &mesh.records[hit.primID];
+    triangle.find_triangle(*placement, hit.primID);
     triangle.corners = mesh.triangles[hit.primID];
     triangle.weights = barycentric_weights(hit);
-    const int side = sees_front(*placement, *triangle.record, rays_.direction(i)) ? 0 : 1;
+    const int side = sees_front(*placement, triangle.record(), rays_.direction(i)) ? 0 : 1;
     std::optional<Vec3> stored =
         light_.lit({top_of(hit), side, hit.primID, triangle.corners, triangle.weights}, view_.lamps);
     if (!stored) return false;
@@ -143,8 +140,8 @@ class StoredLightStage {
 
 }  // namespace
 
-bool ends_at_stored_light(const TraceScene& scene, const TraceView& view) {
-  return view.quality.stored_light && scene.light != nullptr && !view.features;
+bool ends_at_stored_light(const TraceView& view) {
+  return view.quality.stored_light && view.light != nullptr && !view.features;
 }
 
 void end_at_stored_light(const TraceScene& scene, const TraceView& view, PathBatch& batch) {

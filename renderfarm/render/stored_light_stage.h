@@ -9,7 +9,7 @@ namespace cyclorama::render {
 
 /// Returns true if rays of `view` may end at stored light by end_at_stored_light(). Views that request features are
 /// shaded completely.
-[[nodiscard]] bool ends_at_stored_light(const TraceScene& scene, const TraceView& view);
+[[nodiscard]] bool ends_at_stored_light(const TraceView& view);
 
 /// Ends the paths whose rays in batch.current() hit a `plain` surface with stored light: such a surface shows its
 /// colour times the light and that of the eye lamp, so BSDFs and random numbers are not needed. The other rays stay, in

@@ -64,8 +64,8 @@ TangentPlane plane_of_texcoords(const TriangleHit& hit, int set) {
 
 /// Interpolates the vertex normals. Mesh frame; not unit length, may be zero.
 Vec3 smooth_normal(const TriangleHit& hit) {
-  return hit.weights[0] * hit.record->normal(0) + hit.weights[1] * hit.record->normal(1) +
-         hit.weights[2] * hit.record->normal(2);
+  return hit.weights[0] * hit.record().normal(0) + hit.weights[1] * hit.record().normal(1) +
+         hit.weights[2] * hit.record().normal(2);
 }
 
 /// Returns the mesh's normal, whichever side is seen. Mesh frame; not unit length, may be zero.
@@ -108,9 +108,7 @@ Vec3 bent_normal(const TriangleHit& hit, const SurfacePoint& point, const MipTex
 
 TriangleHit triangle_at(const TraceScene& scene, const RTCHit& hit) {
   TriangleHit at;
-  at.placement = &scene.placements[top_of(hit)];
-  at.mesh = at.placement->mesh;
-  at.record = &at.mesh->records[hit.primID];
+  at.find_triangle(scene.placements[top_of(hit)], hit.primID);
   if (at.mesh->texcoords[0] != nullptr || at.mesh->texcoords[1] != nullptr) at.corners = at.mesh->triangles[hit.primID];
   at.weights = barycentric_weights(hit);
   return at;
@@ -118,9 +116,10 @@ TriangleHit triangle_at(const TraceScene& scene, const RTCHit& hit) {
 
 SurfacePoint surface_at(const TriangleHit& hit, const Vec3& direction) {
   const Placement& placement = *hit.placement;
-  const Vec3 p0 = hit.record->corner(0);
-  const Vec3 p1 = hit.record->corner(1);
-  const Vec3 p2 = hit.record->corner(2);
+  const TriangleRecord& record = hit.record();
+  const Vec3 p0 = record.corner(0);
+  const Vec3 p1 = record.corner(1);
+  const Vec3 p2 = record.corner(2);
   const Vec3& w = hit.weights;
 
   SurfacePoint point;

@@ -7,13 +7,26 @@
 
 namespace cyclorama::render {
 
-/// A ray's hit on a triangle: barycentric weights and vertices of its corners.
+/// A ray's hit on a triangle: barycentric weights and vertices of its corners. A value.
 struct TriangleHit {
   const SurfaceMesh* mesh = nullptr;
   const Placement* placement = nullptr;
   std::array<std::uint32_t, 3> corners{};  ///< Set by triangle_at() only if the mesh has texture coordinates.
   Vec3 weights = Vec3::Zero();
-  const TriangleRecord* record = nullptr;
+  const TriangleRecord* stored = nullptr;  ///< Null if the mesh has no records.
+  TriangleRecord read;                     ///< Not initialised if `stored` is set.
+
+  [[nodiscard]] const TriangleRecord& record() const { return stored != nullptr ? *stored : read; }
+  /// Sets `mesh`, `placement`, and the triangle's record.
+  void find_triangle(const Placement& at, std::uint32_t triangle) {
+    placement = &at;
+    mesh = at.mesh;
+    if (!mesh->records.empty()) {
+      stored = &mesh->records[triangle];
+    } else {
+      read_triangle({mesh->positions, mesh->normals, mesh->colours}, mesh->triangles[triangle], &read);
+    }
+  }
 };
 
 /// A point on a surface, in the render frame.
@@ -47,7 +60,7 @@ struct SurfacePoint {
   std::array<float, 3> sum{};
   for (std::size_t i = 0; i < 3; ++i) {
     const float weight = hit.weights[static_cast<Eigen::Index>(i)];
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * linear[hit.record->colours[i][c]];
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * linear[hit.record().colours[i][c]];
   }
   return to_vec3(sum);
 }

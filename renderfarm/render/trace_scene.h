@@ -54,8 +54,29 @@ struct SurfaceMesh {
   const std::array<float, 4>* tangents = nullptr;
   const std::array<std::uint8_t, 4>* colours = nullptr;
   const SurfaceMaterial* material = nullptr;
-  /// One per triangle, in the frame of `positions`; created after baking.
+  /// One per triangle, in the frame of `positions`; created after baking. Empty unless the scene's MemoryMode is kFast:
+  /// each hit then reads the arrays above.
   std::vector<TriangleRecord> records;
+
+  /// Fetches what the next hit of a triangle reads first. Inlining is forced because gcc would treat a function that
+  /// only prefetches as free of effects and drop the calls.
+  [[gnu::always_inline]] inline void prefetch(std::uint32_t triangle) const {
+    if (!records.empty()) __builtin_prefetch(&records[triangle]);
+    __builtin_prefetch(&triangles[triangle]);
+  }
+  /// Fetches the vertices of a triangle for which prefetch() was called a while ago.
+  [[gnu::always_inline]] inline void prefetch_vertices(std::uint32_t triangle) const {
+    if (!records.empty() && texcoords[0] == nullptr && texcoords[1] == nullptr) return;
+    for (const std::uint32_t corner : triangles[triangle]) {
+      for (const std::array<float, 2>* const uv : texcoords) {
+        if (uv != nullptr) __builtin_prefetch(&uv[corner]);
+      }
+      if (!records.empty()) continue;
+      __builtin_prefetch(&positions[corner]);
+      if (normals != nullptr) __builtin_prefetch(&normals[corner]);
+      if (colours != nullptr) __builtin_prefetch(&colours[corner]);
+    }
+  }
 };
 
 /// A mesh in the render frame. Top-level geometry i of the BVH is placement i; lamps follow.
@@ -80,7 +101,7 @@ struct TraceScene {
   LampGeometries lamps;  ///< Lights that rays can hit.
   Vec3 ambient = Vec3::Zero();
   Vec3 eye_lamp = Vec3::Zero();
-  const light::LightStore* light = nullptr;  ///< Stored light, which fits the placements; null if there is none.
+  const light::LightStore* light = nullptr;  ///< Stored light of views that have none of their own; null if none.
 };
 
 /// Returns `source` with its textures requested; they exist once `textures` is built. Borrows all three arguments.

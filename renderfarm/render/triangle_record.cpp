@@ -4,30 +4,10 @@
 #include <sys/mman.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
 
 namespace cyclorama::render {
 namespace {
-
-std::int16_t packed(float part) {
-  return static_cast<std::int16_t>(std::lround(std::clamp(part, -1.0f, 1.0f) * 32767.0f));
-}
-
-TriangleRecord record_of(const scene::Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
-  TriangleRecord record{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::uint32_t vertex = triangle[i];
-    record.corners[i] = mesh.positions[vertex];
-    if (!mesh.normals.empty()) {
-      const std::array<float, 3>& n = mesh.normals[vertex];
-      record.normals[i] = {packed(n[0]), packed(n[1]), packed(n[2])};
-    }
-    if (!mesh.colours.empty()) std::copy_n(mesh.colours[vertex].begin(), 3, record.colours[i].begin());
-  }
-  return record;
-}
 
 /// Requests huge pages, because scattered rays read records in random order, and with small pages each read also needs
 /// a page-table walk. Failure is harmless.
@@ -45,8 +25,10 @@ std::vector<TriangleRecord> make_triangle_records(const scene::Mesh& mesh) {
   records.reserve(mesh.triangles.size());
   ask_for_huge_pages(records.data(), records.capacity() * sizeof(TriangleRecord));
   records.resize(mesh.triangles.size());
+  const VertexArrays vertices{mesh.positions.data(), mesh.normals.empty() ? nullptr : mesh.normals.data(),
+                              mesh.colours.empty() ? nullptr : mesh.colours.data()};
   tbb::parallel_for(std::size_t{0}, records.size(),
-                    [&](std::size_t i) { records[i] = record_of(mesh, mesh.triangles[i]); });
+                    [&](std::size_t i) { read_triangle(vertices, mesh.triangles[i], &records[i]); });
   return records;
 }
 

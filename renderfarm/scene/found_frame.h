@@ -26,8 +26,9 @@ struct FoundFrame {
 
 /// Derives unit and position from the geometry. glTF prescribes metres and the other formats state no unit, but files
 /// of all formats exist in millimetres and centimetres. The unit follows from the size of rooms; a file without rooms
-/// is an object, which is shown whole whatever its unit. A file that stands on z = 0 and not on y = 0 has z up. A small flat object that lies on the ground, such as a coin or
-/// a map, is raised upright to face the visitor, unless the file has cameras. Reentrant; `file` is unchanged on return.
+/// is an object, which is shown whole whatever its unit. A file that stands on z = 0 and not on y = 0 has z up. A small
+/// flat object that lies on the ground, such as a coin or a map, is raised upright to face the visitor, unless the file
+/// has cameras. Reentrant; `file` is unchanged on return.
 [[nodiscard]] FoundFrame find_frame(Model* file, StatedFrame stated);
 
 }  // namespace cyclorama::scene

@@ -54,7 +54,8 @@ std::vector<Eigen::Vector2d> ring(const Eigen::Vector3d& middle, double heading_
 }
 
 /// Returns the heading for an object. The visitor stands on the side of +z, which is the front in glTF, unless another
-/// side shows much more of the object: the broad side of a flat thing, or the front of a sheet that is open at its back.
+/// side shows much more of the object: the broad side of a flat thing, or the front of a sheet that is open at its
+/// back.
 double heading_before(const Model& model) {
   constexpr double kMinFront = 0.35;
   constexpr double kMuchMore = 1.05;
@@ -74,8 +75,8 @@ struct ViewBefore {
   double distance_m = 1.0;  ///< From the object's nearest side.
 };
 
-/// Returns the eye before `bounds` that sees all of it between tangents of -0.5 and 0.3, as on a wall that is 2.6 m high
-/// and 3 m away. A thing that lies flat is seen from higher up.
+/// Returns the eye before `bounds` that sees all of it between tangents of -0.5 and 0.3, as on a wall that is 2.6 m
+/// high and 3 m away. A thing that lies flat is seen from higher up.
 ViewBefore view_before(const Eigen::AlignedBox3d& bounds, double heading_rad) {
   constexpr double kDistanceByHeight = 1.3;
   constexpr double kDistanceByWidth = 0.8;
@@ -168,8 +169,8 @@ bool is_site(const Place& site, const Eigen::Vector3d& size) {
 }
 
 /// Returns the settings of a site that was found in a grid of the whole scene. The cells of a large scene are larger
-/// than people, so the surroundings are looked at again in smaller ones. Nothing for a landscape, which is looked at from above:
-/// a scene of more than 2 km, or one where all around is an empty plain.
+/// than people, so the surroundings are looked at again in smaller ones. Nothing for a landscape, which is looked at
+/// from above: a scene of more than 2 km, or one where all around is an empty plain.
 std::optional<FoundSettings> standing_near(const Model& model, const SpaceGrid& grid, const Place& place) {
   constexpr double kFineCellM = 0.6;
   constexpr double kFarM = 60.0;

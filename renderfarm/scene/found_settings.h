@@ -32,8 +32,8 @@ struct FoundSettings {
 };
 
 /// Returns a viewpoint for a wall, which shows tangents from -0.5 to 0.3, in place of a camera outside of `bounds`. If
-/// a level picture from the camera shows the scene, the camera is returned. Otherwise it is one that looks steeply up or
-/// down, and the result is a level view of the whole scene from the camera's side.
+/// a level picture from the camera shows the scene, the camera is returned. Otherwise it is one that looks steeply up
+/// or down, and the result is a level view of the whole scene from the camera's side.
 [[nodiscard]] Viewpoint level_viewpoint(const Viewpoint& view, const Eigen::AlignedBox3d& bounds);
 
 /// Derives the settings; if `eye` is given, it is kept and the other settings are derived for it. Precondition:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The parts of KHR_meshopt_compression that the system's meshoptimizer lacks: version 1 of the attribute stream and the
-/// filter for colours. Source: appendices A and B of the extension's specification.
+/// The parts of KHR_meshopt_compression that the system's meshoptimizer lacks: version 1 of the attribute stream and
+/// the filter for colours. Source: appendices A and B of the extension's specification.
 #pragma once
 
 #include <cstddef>

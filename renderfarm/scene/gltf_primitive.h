@@ -16,7 +16,8 @@ namespace cyclorama::scene {
 /// One primitive with a surface or of points. Borrows document and context. Thread-bound.
 class GltfPrimitive {
  public:
-  /// Opens a primitive. Returns nothing, with a note, if it cannot be shown: if it has lines, no positions or no vertices.
+  /// Opens a primitive. Returns nothing, with a note, if it cannot be shown: if it has lines, no positions or no
+  /// vertices.
   static Result<std::optional<GltfPrimitive>> open(GltfDocument* document, GltfContext* context,
                                                    const GltfObject& primitive);
 

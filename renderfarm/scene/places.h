@@ -59,8 +59,8 @@ struct BestPlaces {
   std::optional<Place> site;
 };
 
-/// Returns the best room and the best site. The view_heading_rad of the result is that of the best view. A position on a small piece of ground, such as a plinth, is not chosen if there is a much larger piece.
-/// Takes less than a second.
+/// Returns the best room and the best site. The view_heading_rad of the result is that of the best view. A position on
+/// a small piece of ground, such as a plinth, is not chosen if there is a much larger piece. Takes less than a second.
 [[nodiscard]] BestPlaces find_places(const SpaceGrid& grid);
 
 }  // namespace cyclorama::scene

@@ -14,12 +14,14 @@
 #include "common/base/file.h"
 #include "common/base/text_lines.h"
 #include "renderfarm/scene/assemble.h"
+#include "renderfarm/scene/defects.h"
 #include "renderfarm/scene/environment_file.h"
 #include "renderfarm/scene/found_frame.h"
 #include "renderfarm/scene/found_light.h"
 #include "renderfarm/scene/found_settings.h"
 #include "renderfarm/scene/scene_package.h"
 #include "renderfarm/scene/spz.h"
+#include "renderfarm/scene/thin_glass.h"
 
 namespace cyclorama::scene {
 namespace {
@@ -143,6 +145,10 @@ Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const E
   Scene scene;
   scene.model = std::move(model);
   scene.environment = std::move(environment);
+  if (package.repair) {
+    std::vector<std::string> done = repair_defects(&scene.model);
+    std::move(done.begin(), done.end(), std::back_inserter(scene.model.notes));
+  }
   scene.bounds = bounds_of(scene.model);
   if (scene.bounds.isEmpty()) {
     return Error(ErrorCode::kBadData,
@@ -175,6 +181,7 @@ Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const E
     light(package, found, &scene);
   }
   free_lamps(&scene.model);
+  make_plates_thin(&scene.model);
   return scene;
 }
 

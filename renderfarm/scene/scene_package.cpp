@@ -270,6 +270,7 @@ Result<ScenePackage> parse_scene_package(std::string_view text, std::string name
   ScenePackage package;
   package.title = root.text("title");
   package.credits = root.text("credits", "");
+  package.repair = root.flag("repair", false);
   const double unit_m = root.number("unit_m", kUnit, 1.0);
   const bool z_up = is_z_up(&root, false);
   package.exposure = number_if_given(&root, "exposure", {1e-6, 1e6});

@@ -34,6 +34,7 @@ struct PackageEnvironment {
 struct ScenePackage {
   std::string title;
   std::string credits;
+  bool repair = false;  ///< What is broken in the geometry is mended, as far as that is safe: see defects.h.
   std::optional<double> exposure;
   ToneCurve tone = ToneCurve::kShoulder;
   int bounces = kUsualBounces;

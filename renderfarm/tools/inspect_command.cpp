@@ -13,6 +13,7 @@
 #include "renderfarm/render/lights/light_set.h"
 #include "renderfarm/render/memory.h"
 #include "renderfarm/render/requirements.h"
+#include "renderfarm/tools/defect_report.h"
 #include "renderfarm/tools/scene_need.h"
 
 namespace cyclorama::tools {
@@ -84,9 +85,10 @@ void print_traced(const render::Renderer& renderer) {
   fmt::print("aimed at    {} lamps, {} flat lights, {} glowing triangles, {} suns{}; chosen by {}\n",
              lights.lamps().size(), lights.flats().size(), lights.triangles(), lights.suns().size(),
              lights.has_environment() ? ", the environment" : "", lights.chooses_by_tree() ? "a tree" : "a list");
-  fmt::print("memory      {} with the BVH ({}) and what shading reads ({})\n",
+  fmt::print("memory      {} with the BVH ({}) and what shading reads ({}), {}\n",
              render::describe_bytes(renderer.scene().memory_bytes() + renderer.bvh_bytes() + renderer.shading_bytes()),
-             render::describe_bytes(renderer.bvh_bytes()), render::describe_bytes(renderer.shading_bytes()));
+             render::describe_bytes(renderer.bvh_bytes()), render::describe_bytes(renderer.shading_bytes()),
+             render::name_of(renderer.memory_mode()));
 }
 
 /// Prints the properties of the scene's stored light, or why it cannot be used.
@@ -109,7 +111,15 @@ void print_stored_light(const std::filesystem::path& scene, const render::Render
              printable(store->settings, 400), light::description_of(*store));
 }
 
-Status inspect(const SceneOptions& options) {
+struct InspectOptions {
+  SceneOptions scene;
+  std::string pictures;
+  bool repair = false;
+};
+
+Status inspect(const InspectOptions& chosen) {
+  const SceneOptions& options = chosen.scene;
+  if (chosen.repair) TRY(save_repair(options.scene));
   TRY_ASSIGN(LoadedScene loaded, load_with_progress(options));
   const scene::Scene& scene = loaded.scene;
   const scene::Model& model = scene.model;
@@ -137,7 +147,10 @@ Status inspect(const SceneOptions& options) {
   print_needs(scene);
   fmt::print("kernel      for {}\n", render::describe(render::highest_surface_level(scene)));
   for (const std::string& note : model.notes) fmt::print("note        {}\n", printable(note, 400));
+  const scene::Defects defects = scene::find_defects(model);
+  print_defects(defects);
   TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer, build_with_progress(std::move(loaded.scene), options));
+  if (!chosen.pictures.empty()) TRY(draw_defects(*renderer, defects, chosen.pictures));
   print_traced(*renderer);
   print_stored_light(options.scene, *renderer);
   return Done{};
@@ -147,8 +160,13 @@ Status inspect(const SceneOptions& options) {
 
 RenderCommand add_inspect_command(CLI::App* program) {
   CLI::App* const parser = program->add_subcommand("inspect", "Print the content of a scene and its kernel");
-  const auto options = std::make_shared<SceneOptions>();
-  add_scene_options(parser, options.get());
+  const auto options = std::make_shared<InspectOptions>();
+  add_scene_options(parser, &options->scene);
+  parser->add_option("--pictures", options->pictures, "Draw the largest defects of each kind into this folder");
+  parser->add_flag(
+      "--repair", options->repair,
+      "First write repair = true into scene.toml, with which the scene is loaded without what is broken, as "
+      "far as that is safe");
   return {parser, [options](const StopSignal&) { return inspect(*options); }};
 }
 

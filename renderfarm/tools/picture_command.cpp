@@ -85,7 +85,7 @@ Status picture(const PictureOptions& options, const StopSignal& stop) {
     TRY(renderer->set_light(std::make_shared<light::LightStore>(std::move(store)), options.light));
     view.quality.stored_light = true;
   }
-  denoise::DenoisingRenderer denoising(*renderer, options.scene.threads);
+  denoise::DenoisingRenderer denoising(*renderer);
   // Each denoised band would need a margin, so denoised pictures have only one band.
   const int band_px = options.denoise ? view.picture().height_px() : kBandPx;
   render::RenderCost cost;

@@ -2,6 +2,7 @@
 #include "renderfarm/tools/render_command.h"
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "common/base/clock.h"
 #include "common/base/file.h"
@@ -15,6 +16,12 @@ void add_scene_options(CLI::App* command, SceneOptions* options) {
       ->add_option("scene", options->scene, "A scene package, or one .glb, .gltf, .ply, .obj, .las, .e57 or .spz file")
       ->required();
   command->add_option("--threads", options->threads, "Threads; 0 means all")->check(CLI::Range(0, 1024));
+  command
+      ->add_option(
+          "--memory", options->memory,
+          "Memory of each triangle: fast (most), medium, or compact (least, and slowest); by itself the fastest "
+          "that fits")
+      ->check(CLI::IsMember({"fast", "medium", "compact"}));
 }
 
 Result<LoadedScene> load_with_progress(const SceneOptions& options) {
@@ -30,8 +37,12 @@ Result<LoadedScene> load_with_progress(const SceneOptions& options) {
 
 Result<std::unique_ptr<render::Renderer>> build_with_progress(scene::Scene scene, const SceneOptions& options) {
   Progress progress("building the BVH");
-  return render::Renderer::build(std::move(scene), options.threads,
-                                 [&](double fraction) { progress.update(fraction); });
+  std::optional<render::MemoryMode> mode;
+  for (const render::MemoryMode named : render::kMemoryModes) {
+    if (options.memory == render::name_of(named)) mode = named;
+  }
+  return render::Renderer::build(
+      std::move(scene), options.threads, [&](double fraction) { progress.update(fraction); }, mode);
 }
 
 Error stopped() { return Error(ErrorCode::kUnavailable, "stopped before it was finished"); }

@@ -22,10 +22,11 @@ struct RenderCommand {
   std::function<Status(const StopSignal&)> run;
 };
 
-/// Options that select the scene and the number of threads.
+/// Options that select the scene, the number of threads, and the memory of each triangle.
 struct SceneOptions {
   std::string scene;
   int threads = 0;
+  std::string memory;  ///< Name of a render::MemoryMode; empty selects the fastest one that fits.
 };
 
 void add_scene_options(CLI::App* command, SceneOptions* options);

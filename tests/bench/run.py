@@ -6,7 +6,8 @@
   ./bench.sh NAME [--quick] [OPTIONS]   runs one
   ./bench.sh NAME --help                its options
 
-A benchmark prints a table for people, then one line that is a JSON object.
+A benchmark prints a table for people, then one line that is a JSON object. What it printed stays in
+build/figures/NAME.json with the machine, the date and the commit; `scripts/figures` makes documents of it.
 CYCLORAMA_BUILD=FOLDER measures the programs of that build folder and builds nothing.
 """
 import json
@@ -16,6 +17,7 @@ import shlex
 import subprocess
 import sys
 import tempfile
+import time
 
 try:
     import tomllib
@@ -23,11 +25,15 @@ except ImportError:
     sys.exit("bench.sh: needs Python 3.11 or newer, as Debian 12 has it")
 
 import generated
+import goals
+import record
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-KEYS = {"about", "quicker", "packages", "targets", "values", "quick", "options", "scenes", "needs", "commands"}
+KEYS = {"about", "quicker", "packages", "targets", "values", "quick", "options", "scenes", "needs", "measures", "goals", "pictures",
+        "commands"}
 PACKAGES = {"build", "test", "bench", "image"}
 SKIPPED = 77
+UNFINISHED = 75  # A later run goes on from the records that it kept.
 
 
 class UsageError(Exception):
@@ -105,16 +111,45 @@ def prepare(entry):
 
 
 def run_command(words):
-    """Runs a command and returns its exit status. Words that end with "> FILE" write its output there."""
+    """Runs a command, passes its output on line by line, and returns its exit status and output. Words that end with
+    "> FILE" write the output there."""
     if len(words) > 2 and words[-2] == ">":
         pathlib.Path(words[-1]).parent.mkdir(parents=True, exist_ok=True)
         with open(words[-1], "wb") as out:
-            return subprocess.run(words[:-2], check=False, stdout=out).returncode
-    return subprocess.run(words, check=False).returncode
+            return subprocess.run(words[:-2], check=False, stdout=out).returncode, ""
+    printed = []
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, encoding="utf-8", errors="replace") as process:
+        try:
+            for line in process.stdout:
+                printed.append(line)
+                print(line, end="", flush=True)
+        except KeyboardInterrupt:
+            process.wait()
+            raise
+    return process.returncode, "".join(printed)
+
+
+def run_commands(name, entry, values, lists):
+    """Runs the commands until one fails, and returns that status and all that was printed."""
+    printed = ""
+    with tempfile.TemporaryDirectory() as folder:
+        values = values | {"json": f"{folder}/result.json", "figures": f"{folder}/figures.json", "temporary": folder}
+        for command in entry["commands"]:
+            sys.stdout.flush()
+            status, text = run_command(command_words(command, values, lists))
+            printed += text
+            if status != 0:
+                break
+        result = pathlib.Path(values["json"])
+        if result.is_file() and result.stat().st_size > 0:
+            line = json.dumps({"benchmark": name, **json.loads(result.read_text(encoding="utf-8"))}) + "\n"
+            printed += line
+            print(line, end="")
+    return status, printed
 
 
 def measure(name, entry, words):
-    """Runs a benchmark and returns its exit status."""
+    """Runs a benchmark, keeps its record and returns its exit status."""
     is_quick, chosen, passed = parse(name, entry, words)
     build = os.environ.get("CYCLORAMA_BUILD", "build/release")
     values = places(build) | entry.get("values", {}) | (entry.get("quick", {}) if is_quick else {}) | chosen
@@ -126,16 +161,13 @@ def measure(name, entry, words):
     for kind, triangles in entry.get("scenes", {}).items():
         values[kind] = generated.scene(kind, triangles.format_map(values), f"{build}/bin")
     lists = {"quick": ["--quick"] if is_quick else [], "options": passed}
-    with tempfile.TemporaryDirectory() as folder:
-        values |= {"json": f"{folder}/result.json", "figures": f"{folder}/figures.json", "temporary": folder}
-        for command in entry["commands"]:
-            sys.stdout.flush()
-            status = run_command(command_words(command, values, lists))
-            if status != 0:
-                break
-        result = pathlib.Path(values["json"])
-        if result.is_file() and result.stat().st_size > 0:
-            print(json.dumps({"benchmark": name, **json.loads(result.read_text(encoding="utf-8"))}))
+    started, load = time.time(), record.load()
+    status, printed = run_commands(name, entry, values, lists)
+    if status not in (SKIPPED, UNFINISHED):
+        kept = record.make(name, entry, words, started, load, status, printed)
+        kept["goals"] = {goal: goals.is_held(goal, kept["result"]) for goal in entry.get("goals", [])}
+        record.write(kept)
+        record.keep_pictures(entry, started)
     return status
 
 

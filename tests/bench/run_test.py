@@ -105,6 +105,13 @@ class Words(unittest.TestCase):
 
 
 class Measure(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.records = pathlib.Path(folder.name)
+        self.addCleanup(setattr, run.record, "FRESH", run.record.FRESH)
+        run.record.FRESH = self.records
+
     def measure(self, entry, *words):
         os.environ["CYCLORAMA_BUILD"] = "BUILD"
         out = io.StringIO()
@@ -120,6 +127,26 @@ class Measure(unittest.TestCase):
         entry = {"values": {"a": 1}, "quick": {"a": 2}, "commands": [self.python(write).replace("{", "{{").replace("}", "}}") + " {json} {a}"]}
         self.assertEqual(self.measure(entry), (0, '{"benchmark": "example", "a": 1}\n'))
         self.assertEqual(self.measure(entry, "--quick"), (0, '{"benchmark": "example", "a": 2}\n'))
+
+    def test_a_run_leaves_a_record_with_machine_date_commit_and_goals(self):
+        entry = {"goals": ["a <= 3", "b >= 1", "c == 0"],
+                 "commands": [self.python('print("a table"); print(chr(123) + chr(34) + "a" + chr(34) + ": 2" + chr(125))')
+                              .replace("{", "{{").replace("}", "}}"), self.python("print('more')")]}
+        self.measure(entry)
+        kept = run.record.read(self.records / "example.json")
+        self.assertEqual((kept["status"], kept["result"], kept["printed"]), (0, {"a": 2}, "a table"))
+        self.assertEqual(kept["goals"], {"a <= 3": True, "b >= 1": None, "c == 0": None})
+        self.assertRegex(kept["date"], r"^20\d\d-\d\d-\d\d ")
+        self.assertTrue(kept["machine"]["cores"] >= 1 and kept["machine"]["processor"])
+
+    def test_a_run_that_goes_on_later_or_lacks_data_leaves_no_record(self):
+        for status in (run.UNFINISHED, run.SKIPPED):
+            self.measure({"commands": [self.python(f"raise SystemExit({status})")]})
+        self.assertEqual(list(self.records.iterdir()), [])
+
+    def test_a_failure_is_in_the_record(self):
+        self.measure({"commands": [self.python("raise SystemExit(3)")]})
+        self.assertEqual(run.record.read(self.records / "example.json")["status"], 3)
 
     def test_the_first_failure_ends_it(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -137,6 +164,23 @@ class Measure(unittest.TestCase):
         with contextlib.redirect_stderr(io.StringIO()) as printed:
             self.assertEqual(self.measure({"needs": "/nowhere/data", "commands": ["false"]})[0], run.SKIPPED)
         self.assertEqual(printed.getvalue(), "bench.sh: example needs the data in /nowhere/data, which are not there\n")
+
+
+class Goals(unittest.TestCase):
+    def test_dots_lead_into_objects_and_a_star_to_each(self):
+        result = {"rooms": {"a": {"p95": 1.0}, "b": {"p95": 2.0}}, "n": 0}
+        self.assertTrue(run.goals.is_held("rooms.*.p95 <= 2", result))
+        self.assertFalse(run.goals.is_held("rooms.*.p95 <= 1.5", result))
+        self.assertTrue(run.goals.is_held("n == 0", result))
+        self.assertIsNone(run.goals.is_held("rooms.c.p95 <= 1", result))
+
+    def test_goals_of_the_table_are_goals(self):
+        for name, entry in run.read_table().items():
+            for goal in entry.get("goals", []):
+                with self.subTest(name):
+                    run.goals.parse(goal)
+        with self.assertRaises(ValueError):
+            run.goals.parse("p95 < 3")
 
 
 class CommandLine(unittest.TestCase):

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -126,10 +127,11 @@ class FakeBlockRenderer final : public node::BlockRenderer {
     if (shared_->refuses_light) return Error(ErrorCode::kBadData, std::string(name) + ": the file is damaged");
     node::VersionedLight light{node::version_of(file), file.size(), std::make_shared<light::LightStore>()};
     lights_.add(light);
+    const std::lock_guard lock(mutex_);
+    versions_[light.store.get()] = light;
     return light;
   }
   [[nodiscard]] const node::LightVersions* light_versions() const override { return &lights_; }
-  void use_light(const node::VersionedLight& light) override { shared_->set_used_light(light.version); }
   [[nodiscard]] std::string note() const override { return {}; }
   [[nodiscard]] std::uint64_t memory_bytes() const override { return memory_bytes_; }
   [[nodiscard]] int bounces() const override { return 4; }
@@ -144,13 +146,13 @@ class FakeBlockRenderer final : public node::BlockRenderer {
    public:
     Negative(FakeBlockRenderer& of, render::PanoramaView view, const PixelRect& rect)
         : of_(of), view_(std::move(view)), rect_(rect), film_(rect.width, rect.height, false) {}
-    render::RenderCost advance(const std::function<bool()>& stop, RgbImage* ret_pixels,
+    render::RenderCost advance(const std::function<bool()>& stop, RadianceImage* ret_light,
                                InverseDepthImage* ret_depth) override {
       render::RenderCost cost = of_.add_to_film(view_, rect_, {0, 1}, &film_, stop, false);
       if (std::ranges::find(film_.samples.data(), 0) != film_.samples.data().end()) return cost;
-      *ret_pixels = of_.developed(film_.mean());
+      *ret_light = film_.mean();
       *ret_depth = view_.depth ? fake_depth(depth_cells(rect_)) : InverseDepthImage();
-      for (std::uint8_t& value : ret_pixels->data()) value = static_cast<std::uint8_t>(255 - value);
+      for (float& value : ret_light->data()) value = 1.0f - value;
       return cost;
     }
 
@@ -168,6 +170,10 @@ class FakeBlockRenderer final : public node::BlockRenderer {
     const PixelRect cells = cells_touched(rect);
     std::vector<float> seconds(static_cast<std::size_t>(cells.area()));
     if (shared_->lacks_memory) throw std::bad_alloc();
+    if (view.light != nullptr) {
+      const std::lock_guard lock(mutex_);
+      shared_->set_used_light(versions_.at(view.light.get()).version);
+    }
     if (!film->depth.empty()) film->depth = fake_depth(depth_cells(rect));
     if (!shared_->pass_gate(cancelled)) return cost_of(rect, seconds);
     bool stopped = false;
@@ -219,6 +225,8 @@ class FakeBlockRenderer final : public node::BlockRenderer {
   const std::shared_ptr<FakeRendering> shared_;
   const std::uint64_t memory_bytes_;
   node::LightVersions lights_;
+  std::mutex mutex_;                                                   ///< Guards the following.
+  std::map<const light::LightStore*, node::VersionedLight> versions_;  ///< All that were added, kept alive.
 };
 
 /// Loads every scene except those named "missing" or "huge".

@@ -87,6 +87,7 @@ class FakeDisplay {
   [[nodiscard]] const std::vector<wire::Heading>& headings() const { return headings_; }
   /// Number of headings that carried a presentation time.
   [[nodiscard]] int headings_with_show_at() const { return headings_with_show_at_; }
+  [[nodiscard]] const std::vector<wire::Caption>& captions() const { return captions_; }
   [[nodiscard]] const std::vector<wire::ClockReply>& answers() const { return answers_; }
   [[nodiscard]] std::size_t frames_complete() const {
     return static_cast<std::size_t>(
@@ -139,6 +140,9 @@ class FakeDisplay {
       if (headings_.empty() != message.heading().has_shown()) wrongs_.push_back("shown is for the first heading");
       headings_.push_back(message.heading());
       headings_with_show_at_ += message.has_show_at() ? 1 : 0;
+    } else if (message.has_caption()) {
+      if (headings_.empty()) wrongs_.push_back("a caption before the first heading");
+      captions_.push_back(message.caption());
     } else if (message.has_clock()) {
       answers_.push_back(message.clock());
     } else if (headings_.empty()) {
@@ -186,6 +190,7 @@ class FakeDisplay {
   std::vector<wire::Heading> headings_;
   int headings_with_show_at_ = 0;
   std::vector<wire::ClockReply> answers_;
+  std::vector<wire::Caption> captions_;
   std::vector<std::string> wrongs_;
 
   std::thread reader_;

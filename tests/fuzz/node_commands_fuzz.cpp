@@ -22,19 +22,19 @@ constexpr std::int64_t kMaxPixels = 128 * 128;
 /// A stream, its sender, and the coordinator's guarantee: every block that it gave has one end, unless it is gone.
 struct Coordinator {
   std::shared_ptr<node::NodeLink> link;
-  node::TileSender sender;
+  std::unique_ptr<node::TileSender> sender;
   std::size_t blocks = 0;
   std::size_t ends = 0;
 
   void take_all() {
-    while (auto item = link->pop(TimePoint())) {
-      if (sender.report_of(*std::move(item)).has_end()) ++ends;
-    }
+    std::vector<node::NodeLink::Outgoing> items;
+    while (auto item = link->pop(TimePoint())) items.push_back(*std::move(item));
+    for (const wire::NodeReport& report : sender->reports_of(std::move(items))) ends += report.has_end() ? 1 : 0;
   }
 };
 
 void open(node::NodeController& controller, Coordinator& coordinator) {
-  coordinator = Coordinator{controller.open(), {}, 0, 0};
+  coordinator = Coordinator{controller.open(), std::make_unique<node::TileSender>(controller.renders().crew()), 0, 0};
   wire::NodeCommand load;
   load.mutable_load_scene()->set_scene("a");
   load.mutable_load_scene()->set_path("a");

@@ -56,7 +56,7 @@ class Appliance(Machine):
     """A running computer."""
 
     def __init__(self, disk, tpm=True, secure=True, heads=HEADS, memory_mb=2048, network="restrict=on", extra=(),
-                 processors=2):
+                 processors=2, log=None):
         self.folder = disk.folder
         self.disk = disk
         self.log = self.folder / "serial.log"
@@ -81,8 +81,7 @@ class Appliance(Machine):
                    "-nodefaults", "-global", "driver=cfi.pflash01,property=secure,value=on", "-global",
                    "ICH9-LPC.disable_s3=1", "-drive", f"if=pflash,unit=0,format=raw,readonly=on,file={OVMF / code}",
                    "-drive", f"if=pflash,unit=1,format=raw,file={self.folder}/vars.fd",
-                   "-drive", f"if=none,id=disk,format=qcow2,file={disk.file},cache=writeback", "-device",
-                   "virtio-blk-pci,drive=disk,bootindex=1",
+                   *self._drive(disk, log), "-device", "virtio-blk-pci,drive=disk,bootindex=1",
                    "-netdev", f"user,id=net,{network}", "-device", "virtio-net-pci,netdev=net,romfile=",
                    "-device", "qemu-xhci,id=usb",
                    "-chardev", f"socket,id=serial,path={self.folder}/serial,server=on,wait=off,logfile={self.log}",
@@ -100,6 +99,16 @@ class Appliance(Machine):
         self.shell = None
         self.heard = b""
         self.seen = 0  # Position in the console after the output of earlier starts.
+
+    @staticmethod
+    def _drive(disk, log):
+        """Returns QEMU's options for the disk. With `log`, a file for write_log.WriteLog, its writes are kept there."""
+        if log is None:
+            return ["-drive", f"if=none,id=disk,format=qcow2,file={disk.file},cache=writeback"]
+        pathlib.Path(log).write_bytes(b"")
+        return ["-blockdev", f"driver=qcow2,node-name=content,file.driver=file,file.filename={disk.file}", "-blockdev",
+                f"driver=file,node-name=log,filename={log}", "-blockdev",
+                "driver=blklogwrites,node-name=disk,file=content,log=log,log-super-update-interval=1"]
 
     def seconds(self):
         return time.monotonic() - self.began

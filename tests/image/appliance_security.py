@@ -85,6 +85,10 @@ def scan(machine):
     return sorted(answering & set(SCANNED))
 
 
+def expected_firmware():
+    return [line for line in (HERE / "expected/firmware").read_text().split("\n") if line and not line.startswith("#")]
+
+
 def look_at_running(machine, figures, lists="", ports=(OPERATOR_PORT,)):
     failed = figures["failed"]
     _, sockets = machine.run("ss -Htulnp | sed -E 's/users:..\"([^\"]*)\".*/\\1/' | awk '{print $1, $5, $NF}' | sort -u", 60)
@@ -99,6 +103,9 @@ def look_at_running(machine, figures, lists="", ports=(OPERATOR_PORT,)):
     figures["journal_above_notice"] = compare_journal(noted, failed)
     figures["journal_of_the_board"] -= figures["journal_above_notice"]
     print("\n".join(noted))
+    wanted = [] if lists else expected_firmware()  # A render host needs none.
+    _, missing = machine.run("cd /usr/lib/firmware; for f in " + " ".join(wanted) + '; do [ -e "$f" ] || echo "$f"; done')
+    failed.extend(f"firmware: '{name}' is not in the image" for name in missing.split())
     figures["ports_open"] = scan(machine)
     if figures["ports_open"] != list(ports):
         failed.append(f"open ports: {figures['ports_open']}")

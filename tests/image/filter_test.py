@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Tests the museum's packet filter in two network namespaces: somebody who opens 900 connections to the operator page at
-once keeps out nobody else, and other ports are closed.
+once keeps out nobody else, other ports are closed, and alarms may leave for mail servers and webhooks.
 
 Run: filter_test.py SOURCE_ROOT      It is skipped (77) without root or nft (package nftables).
 """
@@ -29,6 +29,11 @@ mkfifo /run/ready
 python3 -c "$2" >/run/ready &
 read -r _ </run/ready
 ip netns exec outside python3 -c "$3" || echo "it failed"
+kill $!
+mkfifo /run/listens
+ip netns exec outside python3 -c "$4" >/run/listens &
+read -r _ </run/listens
+python3 -c "$5" || echo "it failed"
 kill $!
 """
 MUSEUM = """
@@ -62,7 +67,26 @@ for one in flood:
 print("page beside a flood:", enters("10.9.0.3", 8443, 0.5))
 print("tour:", enters("10.9.0.3", 7403, 0.5))
 """
-WANTED = "page: True\npage beside a flood: True\ntour: False\n"
+SERVERS = """
+import socket, time
+kept = [socket.create_server(("10.9.0.2", port)) for port in (22, 80, 443, 465, 587)]
+print("ready", flush=True)
+time.sleep(60)
+"""
+# The page's user is root here.
+INSIDE = """
+import socket
+for port in (22, 80, 443, 465, 587):
+    client = socket.socket()
+    client.settimeout(2)
+    try:
+        client.connect(("10.9.0.2", port))
+        print(f"out to {port}: True")
+    except OSError:
+        print(f"out to {port}: False")
+"""
+WANTED = ("page: True\npage beside a flood: True\ntour: False\nout to 22: False\nout to 80: False\nout to 443: True\n"
+          "out to 465: True\nout to 587: True\n")
 
 
 def main(source):
@@ -74,7 +98,8 @@ def main(source):
         file = pathlib.Path(folder) / "rules"
         # The users exist in the image alone.
         file.write_text(re.sub(r"meta skuid (\{[^}]*\}|\S+)", "meta skuid 0", rules))
-        done = subprocess.run(["unshare", "--net", "--mount", "bash", "-c", ROOM, "room", file, MUSEUM, OUTSIDE],
+        done = subprocess.run(["unshare", "--net", "--mount", "bash", "-c", ROOM, "room", file, MUSEUM, OUTSIDE,
+                               SERVERS, INSIDE],
                               capture_output=True, text=True, timeout=60)
     if done.stdout != WANTED:
         print(f"filter: wanted\n{WANTED}but got\n{done.stdout}{done.stderr}")

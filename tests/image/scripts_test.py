@@ -299,6 +299,7 @@ def check_farm_updates(computer, folder):
         return computer.report("update")
     (computer.state / "update.json").unlink(missing_ok=True)
     report = look("night", "later it is not the time for updates")
+    bad += expect("the certificate is renewed first", called.read_text().splitlines()[:2] == ["start cyclorama-renew-certificate.service", "start cyclorama-take-certificate.service"], called.read_text())
     bad += expect("by day nothing is reported", report == "" and "cyclorama-fetch-update@night.service" in called.read_text(), report + called.read_text())
     report = look("now", "nothing nothing newer than 1")
     bad += expect("that nothing is newer is reported", '"current"' in report and "nothing newer than 1" in report, report)

@@ -18,6 +18,7 @@ common/geometry: common/base
 common/http: common/base
 common/image: common/base
 common/json: common/base
+common/language: common/base
 common/network: common/base common/config
 common/opening: common/base common/config
 common/process: common/base
@@ -30,7 +31,7 @@ common/wire: common/base common/geometry common/image
 drivers/camera: common/base common/config common/image
 drivers/devices: common/base drivers/camera drivers/simulated drivers/turntable
 drivers/input: common/base
-drivers/output: common/base common/edid common/image common/opening common/process common/room common/wire
+drivers/output: common/base common/edid common/image common/language common/opening common/process common/room common/wire
 drivers/simulated: common/base common/config common/geometry common/image common/process common/room common/wand
     common/wire drivers/camera drivers/output drivers/turntable
 drivers/turntable: common/base
@@ -65,8 +66,9 @@ appliance/calibrator: appliance/calibration appliance/healing appliance/scan com
 appliance/camera_calibration: appliance/calibration appliance/solve appliance/structured_light appliance/tags
     common/base common/board common/geometry common/image common/process drivers/devices
 appliance/display: appliance/calibration appliance/interchange appliance/warp common/base common/config
-    common/geometry common/image common/opening common/process common/reach common/room common/wire drivers/output
-appliance/hand: appliance/tracker common/base common/process common/wire drivers/input
+    common/geometry common/image common/language common/opening common/process common/reach common/room common/wire
+    drivers/output
+appliance/hand: appliance/tracker common/base common/language common/process common/wire drivers/input
 appliance/healing: appliance/calibration appliance/scan appliance/solve appliance/structured_light common/base
     common/image common/json common/room common/wire drivers/camera drivers/devices drivers/simulated
 appliance/interchange: appliance/warp common/base common/geometry common/image common/process common/room
@@ -81,14 +83,17 @@ appliance/tracker: appliance/calibration appliance/tags common/base common/confi
     common/process common/room common/wand common/wire drivers/camera drivers/devices
 appliance/warp: common/base common/geometry common/image common/room
 
+kiosk/care: common/base common/config common/json common/language common/opening
 kiosk/network: common/base common/network common/process
-kiosk/operator: common/base common/board common/config common/edid common/http common/image common/network
-    common/opening common/process common/reach common/room common/wand common/wire kiosk/network kiosk/provision
-    kiosk/setup kiosk/tour kiosk/update
+kiosk/operator: common/base common/board common/config common/edid common/http common/image common/language
+    common/network common/opening common/process common/reach common/room common/wand common/wire kiosk/care
+    kiosk/network kiosk/provision kiosk/setup kiosk/tour kiosk/update
 kiosk/provision: common/base common/config common/edid common/image common/network common/opening common/process
-    common/room common/wand common/wire kiosk/tour kiosk/update
+    common/room common/wand common/wire kiosk/care kiosk/tour kiosk/update
+kiosk/renewal: common/base common/opening common/process common/wire kiosk/tour renderfarm/client
 kiosk/setup: common/base common/config common/network common/room
-kiosk/tour: common/base common/config common/geometry common/json common/process common/wire renderfarm/client
+kiosk/tour: common/base common/config common/geometry common/image common/json common/language common/process
+    common/wire renderfarm/client
 kiosk/update: common/base common/config common/opening common/process common/update common/wire kiosk/tour
     renderfarm/client
 
@@ -105,7 +110,7 @@ tests/unit: tests/bench tests/data_sets tests/doubles tests/support
 PRODUCT = ("common", "drivers", "renderfarm", "appliance", "kiosk")
 # The truth of a simulated museum. Who calibrates may meet neither these headers, also by way of others, nor the file's
 # name; the appliance and the kiosk hold all that a museum runs.
-TRUTH_HEADERS = {f"drivers/simulated/museum/{name}.h" for name in ("truth", "true_museum", "presets", "flaws", "simulated_show")}
+TRUTH_HEADERS = {f"drivers/simulated/museum/{name}.h" for name in ("truth", "true_museum", "presets", "flaws", "as_sold", "simulated_show")}
 TRUTH_FILE = re.compile(r"truth\.(toml|json)")
 TRUTH_CALL = re.compile(r"(?:\.|->)truth\(\)")  # Of a simulated museum, which devices for it hold.
 BLIND = ("appliance", "kiosk")

@@ -50,6 +50,33 @@ class Authority:
         return to
 
 
+def check_renewals(authority):
+    """Signs what museums have requested, and nothing else; of a request only its key counts."""
+    authority.refuses("has no folder 'requests'", "renewals", str(authority.folder))
+    requests = authority.folder / "renewals/requests"
+    requests.mkdir(parents=True)
+    issued = requests.parent / "issued"
+
+    def request(name, key="ec -pkeyopt ec_paramgen_curve:P-256"):
+        authority.openssl("req", "-new", "-newkey", *key.split(), "-noenc", "-keyout", "request.key", "-out", str(requests / f"{name}.pem"), "-subj", "/OU=coordinator/CN=farm")
+    for name, key in (("hall-3", "ec -pkeyopt ec_paramgen_curve:P-384"), ("n1", "ec -pkeyopt ec_paramgen_curve:P-256"), ("nobody", "ec -pkeyopt ec_paramgen_curve:P-256")):
+        request(name, key)
+    (requests / "farm.pem").write_text("-----BEGIN CERTIFICATE REQUEST-----\n")
+    done = authority.run("renewals", str(requests.parent))
+    for reason in ("'hall-3' is refused: it is no request with a key on P-256", "'n1' is refused: only museums'", "'nobody' is refused: no certificate", "'farm' is refused: only museums'"):
+        expect(reason in done.stderr, f"renewals: {done.stderr!r} has no {reason!r}")
+    expect(not list(issued.iterdir()) and not list(requests.iterdir()), "what is refused leaves something")
+    request("hall-3")
+    expect("renewed: hall-3" in authority.ok("renewals", str(requests.parent)), "hall-3 is not renewed")
+    text = authority.openssl("x509", "-in", str(issued / "hall-3.crt"), "-noout", "-text")
+    for part in ("OU = museum", "CN = hall-3", "TLS Web Client Authentication", "CA:FALSE"):
+        expect(part in text, f"the renewed certificate has no {part}")
+    expect((issued / "hall-3.crt").stat().st_mode & 0o444 == 0o444, "the coordinator cannot read what was renewed")
+    request("hall-3")
+    authority.ok("renewals", str(requests.parent))
+    expect((requests / "hall-3.pem").exists(), "a museum got a second certificate on the same day")
+
+
 def check(authority):
     authority.refuses("make one with", "list")
     authority.ok("init")
@@ -89,6 +116,7 @@ def check(authority):
     listed = authority.ok("list").splitlines()
     expect(len(listed) == 6 and sum("revoked" in line for line in listed) == 2, "\n".join(listed))
 
+    check_renewals(authority)
     authority.refuses("is not a name", "museum", "../hall")
     authority.refuses("is not a name", "node", "a/CN=b")
     authority.refuses("neither an IP address nor", "coordinator", "farm2", "--address", "a,DNS:b")

@@ -112,7 +112,7 @@ class Browser:
 class Museum:
     """A museum's parts, provisioned from a stick, and its page."""
 
-    def __init__(self, source, build, folder, *parts_options):
+    def __init__(self, source, build, folder, *parts_options, care=None):
         self.folder = folder
         stick, self.state, keep = folder / "stick", folder / "state", folder / "keep"
         for path in (stick, keep):
@@ -124,6 +124,8 @@ class Museum:
                                          '[hours]\nopen = ["Tue-Sun 10:00-18:00", "Thu 19:00-22:00"]\n')
         (stick / "installation.toml").write_text(room_on(source, "HDMI-A"))
         (stick / "operator.toml").write_text(f'pni = "{PIN}"\n')
+        if care is not None:
+            (stick / "care.toml").write_text(care)
         self.provision = [build / "bin/cyclorama-provision", "--state", self.state, "install", stick, "--programs", ""]
         assert subprocess.run(self.provision, capture_output=True, timeout=60).returncode == 1
         (self.state / "update.json").write_text('{"state": "current", "version": "0.1.0", "at": "2026-11-22T03:10:00Z"}')

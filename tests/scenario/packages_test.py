@@ -23,7 +23,7 @@ SERVICES = {"farm": ["farm"], "node": ["node"], "museum": ["tour", "tracker", "d
 HELPERS = {"museum": ["network", "network-try@"], "provision": ["check-settings", "offer", "provision-esp", "provision@", "settings"]}
 PROGRAMS = {"farm": ["cyclorama-authority", "cyclorama-farm"], "node": ["cyclorama-node"],
             "command": ["cyclorama"],
-            "museum": ["cyclorama-calibrate-camera", "cyclorama-calibrator", "cyclorama-display", "cyclorama-fetch-update", "cyclorama-hand", "cyclorama-health", "cyclorama-network", "cyclorama-operator", "cyclorama-projectors", "cyclorama-tour", "cyclorama-tracker"],
+            "museum": ["cyclorama-calibrate-camera", "cyclorama-calibrator", "cyclorama-display", "cyclorama-fetch-update", "cyclorama-hand", "cyclorama-health", "cyclorama-network", "cyclorama-operator", "cyclorama-projectors", "cyclorama-renew-certificate", "cyclorama-tour", "cyclorama-tracker"],
             "provision": ["cyclorama-provision"],
             "tools": ["cyclorama-grotto", "cyclorama-render", "cyclorama-simulated-room", "cyclorama-visit", "cyclorama-walkable", "cyclorama-warp"]}
 problems = []

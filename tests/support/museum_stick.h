@@ -18,10 +18,13 @@ namespace cyclorama {
 
 inline constexpr const char* kStickPin = "401773";
 
-/// Returns certificates that all tests of a program share, because making them takes seconds.
-inline const TlsFiles& museum_certificates() {
+/// Returns the authority, and certificates, that all tests of a program share, because making them takes seconds.
+inline TestAuthority& museum_authority() {
   static TestAuthority authority;
-  static const TlsFiles files = authority.museum("hall-3");
+  return authority;
+}
+inline const TlsFiles& museum_certificates() {
+  static const TlsFiles files = museum_authority().museum("hall-3");
   return files;
 }
 

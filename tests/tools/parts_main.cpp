@@ -34,13 +34,13 @@ RgbImage vaults(int width, int height, double heading) {
 }
 
 struct Parts {
-  FakeProcess tour{"tour"};
+  FakeProcess tour;
   FakeProcess display{"display"};
   FakeProcess tracker{"tracker"};
   FakeProcess projectors{"projectors"};
   FakeCalibrator calibrator;
 
-  explicit Parts(bool is_unwell) {
+  Parts(bool is_unwell, int tour_port) : tour("tour", tour_port) {
     tour.inspection.set_state("Visiting 'The grotto', 19.8 frames a second, 1 display, steered by a wand.", true);
     tour.inspection.set_fact("title", "The grotto");
     tour.inspection.set_fact("credits", "A picture made for a test.");
@@ -124,8 +124,10 @@ int main(int argc, char** argv) {
       "Pretends to be a museum's tour, display, tracker, calibrator and projectors; prints their addresses.");
   bool is_unwell = false;
   program.options().add_flag("--unwell", is_unwell, "The camera is out, and one projector dark");
+  int tour_port = 0;
+  program.options().add_option("--tour-port", tour_port, "Port of the tour; 0: a free one")->capture_default_str();
   return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) -> cyclorama::Status {
-    cyclorama::Parts parts(is_unwell);
+    cyclorama::Parts parts(is_unwell, tour_port);
     std::printf("%s %s %s %s %s\n", parts.tour.address().c_str(), parts.display.address().c_str(),
                 parts.tracker.address().c_str(), parts.calibrator.address().c_str(),
                 parts.projectors.address().c_str());

@@ -13,6 +13,7 @@ constexpr std::string_view kPose = "/cyclorama/pose";
 constexpr std::string_view kLost = "/cyclorama/lost";
 constexpr std::string_view kSteer = "/cyclorama/steer";
 constexpr std::string_view kStop = "/cyclorama/stop";
+constexpr std::string_view kCaptions = "/cyclorama/captions";
 constexpr std::size_t kPoseArguments = 10;
 constexpr std::size_t kLostArguments = 3;
 
@@ -77,6 +78,19 @@ std::optional<OscStop> stop_from_osc(const OscMessage& message) {
   const auto step = message.number(0);
   if (!step || (*step != 1.0 && *step != -1.0)) return std::nullopt;
   return static_cast<int>(*step);
+}
+
+std::optional<OscCaptions> captions_from_osc(const OscMessage& message) {
+  constexpr std::size_t kMaxLanguages = 2;
+  if (message.address != kCaptions || message.arguments.size() > kMaxLanguages) return std::nullopt;
+  if (message.arguments.size() == 1 && message.number(0) == 1.0) return OscCaptions{};
+  OscCaptions captions{std::vector<std::string>()};
+  for (const auto& argument : message.arguments) {
+    const auto* const tag = std::get_if<std::string>(&argument);
+    if (tag == nullptr) return std::nullopt;
+    captions.languages->push_back(*tag);
+  }
+  return captions;
 }
 
 std::optional<std::array<double, 3>> steer_from_osc(const OscMessage& message) {

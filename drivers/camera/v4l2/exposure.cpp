@@ -5,17 +5,9 @@
 
 #include <algorithm>
 
+#include "drivers/camera/v4l2/stepped_range.h"
+
 namespace cyclorama::camera {
-namespace {
-
-/// Returns the control's step at or below `requested`, within its range.
-long nearest(const DeviceControl& control, long requested) {
-  const long inside = std::clamp(requested, control.min, std::max(control.min, control.max));
-  return control.min + (inside - control.min) / control.step * control.step;
-}
-
-}  // namespace
-
 const std::uint32_t kGainControl = V4L2_CID_GAIN;
 
 Result<ExposureSet> set_exposure(const VideoDevice& device, Duration requested, GainRule gain) {
@@ -29,7 +21,7 @@ Result<ExposureSet> set_exposure(const VideoDevice& device, Duration requested, 
   }
   TRY(device.set_control(V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0));
   if (const auto time = device.control(V4L2_CID_EXPOSURE_ABSOLUTE)) {
-    const long value = nearest(*time, std::max(1L, requested / kExposureUnit));
+    const long value = nearest_step(time->min, time->max, time->step, std::max(1L, requested / kExposureUnit));
     TRY_ASSIGN(const bool is_taken, device.set_control(V4L2_CID_EXPOSURE_ABSOLUTE, value));
     // The value is read back, since some devices accept an impossible value and apply the nearest possible one.
     const auto now = is_taken ? device.control(V4L2_CID_EXPOSURE_ABSOLUTE) : std::nullopt;

@@ -15,6 +15,7 @@
 
 #include "common/base/text.h"
 #include "drivers/camera/v4l2/pixel_formats.h"
+#include "drivers/camera/v4l2/stepped_range.h"
 
 namespace cyclorama::camera {
 namespace {
@@ -33,10 +34,9 @@ double rate_of(const v4l2_fract& interval) {
   return interval.numerator == 0 ? 0.0 : static_cast<double>(interval.denominator) / interval.numerator;
 }
 
-/// Returns the value at or below `requested` in a stepped range.
+/// Returns the width or height of a stepped range that is nearest to `requested`.
 int nearest(std::uint32_t min, std::uint32_t max, std::uint32_t step, int requested) {
-  const auto in_range = std::clamp(static_cast<std::uint32_t>(requested), min, std::max(min, max));
-  return static_cast<int>(min + (in_range - min) / std::max(step, 1U) * std::max(step, 1U));
+  return static_cast<int>(nearest_step(min, max, step, requested));
 }
 
 }  // namespace

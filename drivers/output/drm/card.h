@@ -43,8 +43,8 @@ class Card {
   [[nodiscard]] bool has_monotonic_time() const { return has_monotonic_time_; }
 
   /// Reads the state of all connectors. Those for whose id `is_probed` returns true are probed, which takes tens of
-  /// milliseconds each; of others the kernel's present knowledge is read. A connector that vanishes meanwhile is omitted.
-  /// Any thread may call it while another uses the card. Errors: from errno.
+  /// milliseconds each; of others the kernel's present knowledge is read. A connector that vanishes meanwhile is
+  /// omitted. Any thread may call it while another uses the card. Errors: from errno.
   [[nodiscard]] Result<std::vector<Connector>> read_connectors(
       const std::function<bool(std::uint32_t)>& is_probed) const;
   /// Acquires the DRM master right again. Errors: kSystem or kBusy if another process still has it.

@@ -25,8 +25,8 @@ struct HeadTarget {
   double refresh_hz = 60.0;
 };
 
-/// The heads of one card. Heads of the same refresh rate flip together, in one commit; others have commits of their own,
-/// so that none waits for a slower one.
+/// The heads of one card. Heads of the same refresh rate flip together, in one commit; others have commits of their
+/// own, so that none waits for a slower one.
 ///
 ///            light()                    draw(), paint(), flip(), wait()
 ///   dark ──────────────▶ settling ───▶ lit ─────────────────────────────▶ lit
@@ -48,8 +48,9 @@ class CardHeads {
   /// Lights the targets' connectors, each with the best mode and depth that the card accepts together with the
   /// preceding targets, shows their canvases, and turns everything else on the card off. `connectors` are all
   /// connectors of the card. A target that the card cannot light stays dark (see is_showing()). Without targets
-  /// everything goes dark (DPMS off). `may_block`: no other head of the output shows anything, so the calling thread may
-  /// wait for the modeset. Errors: from errno, and those of Scanout::make(); the state of the heads is then unknown.
+  /// everything goes dark (DPMS off). `may_block`: no other head of the output shows anything, so the calling thread
+  /// may wait for the modeset. Errors: from errno, and those of Scanout::make(); the state of the heads is then
+  /// unknown.
   Status light(const GpuContext& gpu, const CanvasCopier& copier, std::span<const Connector> connectors,
                std::span<const HeadTarget> targets, bool may_block);
   /// Declares the state of the card unknown, such as after a failed flip: the next light() sets everything anew, and
@@ -74,8 +75,8 @@ class CardHeads {
   /// "dark".
   [[nodiscard]] std::string text_of_head(std::size_t head) const;
 
-  /// Begins a refresh: takes the events that have come, and ends modesets that are complete. Errors: kTimedOut if a flip
-  /// or a modeset did not come in time; others from errno.
+  /// Begins a refresh: takes the events that have come, and ends modesets that are complete. Errors: kTimedOut if a
+  /// flip or a modeset did not come in time; others from errno.
   Status begin();
   /// Records that a head's canvas has a new picture.
   void draw(std::size_t head);

@@ -40,7 +40,8 @@ struct AvailableConnector {
 /// keeps its connector from `before` (empty at first) permanently, so that a projector that is switched off and on, or
 /// replaced, gets the same picture again. Only a head with a serial moves, to the connector on which its projector is
 /// found; a head that it drives out is without one until its own is found. Heads without a preference take, in order,
-/// connected connectors that no other head has or requests. Precondition: `before` is empty or as long as `preferences`.
+/// connected connectors that no other head has or requests. Precondition: `before` is empty or as long as
+/// `preferences`.
 [[nodiscard]] std::vector<std::optional<ConnectorId>> assign_connectors(
     std::span<const ConnectorPreference> preferences, std::span<const AvailableConnector> seen,
     std::span<const std::optional<ConnectorId>> before);

@@ -20,8 +20,8 @@ struct WatchedCard {
 };
 
 /// Reads the connectors of all cards again when something may have changed, without holding up the calling thread: a
-/// probe takes tens of milliseconds per cable, during which the kernel also keeps others from reading connectors. So the
-/// runner makes all readings.
+/// probe takes tens of milliseconds per cable, during which the kernel also keeps others from reading connectors. So
+/// the runner makes all readings.
 ///
 ///   hot-plug event, or ask()                        every connector is probed
 ///   every 5 s while a head is dark, or if the       dark connectors are probed; of lit ones only the kernel's present

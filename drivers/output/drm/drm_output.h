@@ -39,8 +39,8 @@ struct DrmOptions {
   std::function<std::unique_ptr<ProbeRunner>()> make_probe_runner{};
 };
 
-/// Drives heads on the connectors of one or several graphics cards. Heads of a card with the same refresh rate flip in one
-/// atomic commit; the fastest head of all sets the pace, and slower ones get the newest picture at their own rate.
+/// Drives heads on the connectors of one or several graphics cards. Heads of a card with the same refresh rate flip in
+/// one atomic commit; the fastest head of all sets the pace, and slower ones get the newest picture at their own rate.
 ///
 /// A head without a projector is drawn nevertheless and shown as soon as a projector is connected; it is drawn at the
 /// size given in the installation and scaled to the projector's mode. Every failure is retried at the following

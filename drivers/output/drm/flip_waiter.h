@@ -19,9 +19,9 @@ struct Flipped {
   bool has_vblank = true;  ///< False if the card has no vertical blank, so that flips happen at once (virtual cards).
 };
 
-/// Follows a card's commits, of which several may be under way on different CRTCs, by their page-flip events. The cookie
-/// distinguishes events of an earlier commit that timed out. Cookies point into the waiter, so it is not movable. Borrows
-/// the clock. Thread-bound.
+/// Follows a card's commits, of which several may be under way on different CRTCs, by their page-flip events. The
+/// cookie distinguishes events of an earlier commit that timed out. Cookies point into the waiter, so it is not
+/// movable. Borrows the clock. Thread-bound.
 class FlipWaiter {
  public:
   explicit FlipWaiter(const Clock& clock) : clock_(clock) {}

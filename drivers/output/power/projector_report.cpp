@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drivers/output/power/projector_report.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <string_view>
 #include <utility>
+
+#include "common/language/marked_texts.h"
 
 namespace cyclorama::output {
 namespace {
@@ -20,12 +24,12 @@ struct Part {
 };
 /// Ordered as in the answer to ERST.
 constexpr std::array<Part, 6> kParts{{
-    {"fan", "Clean its vents and let air reach it; if that does not help, have it repaired."},
-    {"lamp", "Its lamp is at its end: have it replaced."},
-    {"temperature", "It is too warm: clean its vents and its filter, and let air reach it."},
-    {"cover", "Close its covers."},
-    {"filter", "Clean its filter, or replace it."},
-    {"other", "Look at its own display, and into its manual."},
+    {translatable("fan"), "Clean its vents and let air reach it; if that does not help, have it repaired."},
+    {translatable("lamp"), "Its lamp is at its end: have it replaced."},
+    {translatable("temperature"), "It is too warm: clean its vents and its filter, and let air reach it."},
+    {translatable("cover"), "Close its covers."},
+    {translatable("filter"), "Clean its filter, or replace it."},
+    {translatable("other"), "Look at its own display, and into its manual."},
 }};
 
 std::optional<ProjectorReport> of_errors(const ProjectorErrors& errors) {
@@ -36,7 +40,8 @@ std::optional<ProjectorReport> of_errors(const ProjectorErrors& errors) {
     const bool is_error = kind == ProjectorErrors::Kind::kError;
     report.level = std::max(report.level, is_error ? Level::kFault : Level::kWarning);
     report.sentence += report.sentence.empty() ? "It reports: " : ", ";
-    report.sentence += std::string(kParts[i].name) + (is_error ? " (error)" : " (warning)");
+    report.sentence +=
+        fmt::format(fmt::runtime(is_error ? translatable("{} (error)") : translatable("{} (warning)")), kParts[i].name);
     report.remedy += (report.remedy.empty() ? "" : " ") + std::string(kParts[i].remedy);
   }
   if (report.sentence.empty()) return std::nullopt;

@@ -8,6 +8,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/file.h"
+#include "common/language/marked_texts.h"
 #include "common/opening/hours_override.h"
 #include "common/opening/wall_clock.h"
 #include "common/process/log.h"
@@ -149,10 +150,10 @@ void tell(const std::vector<Kept>& all, InspectionService* inspection) {
     row->add_cells()->set_text(kept.report.remedy);
   }
   inspection->set_table(std::move(table));
-  inspection->set_state(all.empty()
-                            ? "No projector has a network address in the settings, so they are switched by hand."
-                            : fmt::format("{} of {} projectors are as they should be.", well, all.size()),
-                        well == all.size());
+  inspection->set_state(
+      all.empty() ? translatable("No projector has a network address in the settings, so they are switched by hand.")
+                  : fmt::format(translatable("{} of {} projectors are as they should be."), well, all.size()),
+      well == all.size());
 }
 
 Status keep_hours(const Options& options, const std::vector<NamedProjector>& projectors, const StopSignal& stop) {

@@ -111,11 +111,16 @@ CameraTable make_camera_table(const TrueMuseum& museum, const TrueLens& lens,
       if (!at) continue;
       table.positions[pixel] = {static_cast<std::int32_t>(at->position.part), static_cast<float>(at->position.across),
                                 static_cast<float>(at->position.along)};
+      const WallPaint& paint = museum.truth().paint;
+      if (!paint.is_plain()) table.positions[pixel].paint = static_cast<float>(paint.albedo_at(*at));
       for (std::size_t i = 0; i < lights.size(); ++i) {
         const auto lit = museum.projector_pixel(i, *at);
         if (!lit || !is_near(museum.truth().projectors[i].lens.pinhole(), *lit)) continue;
+        const Eigen::Vector3d& source = museum.truth().projectors[i].T_room_projector.translation();
+        const double seen = paint.seen_at(*at, source, T_room_camera.translation());
         lights[i][pixel] = {static_cast<float>(lit->x()), static_cast<float>(lit->y()),
-                            static_cast<float>(museum.gain_lux(i, *at)), static_cast<float>(museum.defocus_px(i, *at))};
+                            static_cast<float>(seen * museum.gain_lux(i, *at)),
+                            static_cast<float>(museum.defocus_px(i, *at))};
       }
     }
   });

@@ -39,6 +39,7 @@ struct CameraTable {
     std::int32_t part = -1;
     float across = 0.0f;
     float along = 0.0f;
+    float paint = 1.0f;  ///< Albedo there, relative to the wall's.
   };
   std::vector<Projector> projectors;
   std::vector<Place> positions;

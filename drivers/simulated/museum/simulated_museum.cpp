@@ -28,6 +28,31 @@ Image<std::uint8_t, Channels> shortened(const Image<std::uint16_t, Channels>& ph
   return picture;
 }
 
+/// Exposure of a camera that exposes as it likes, before it adapts.
+constexpr double kAutomatic_s = 1.0 / 30.0;
+
+/// Shifts a plane by parts of a pixel, as a turned camera does. The border is continued.
+void shift_plane(std::vector<float>* plane, int width, int height, const Eigen::Vector2d& by_px) {
+  if (by_px.isZero()) return;
+  const std::vector<float> before = *plane;
+  const auto at = [&](int x, int y) {
+    const auto row = static_cast<std::size_t>(std::clamp(y, 0, height - 1)) * static_cast<std::size_t>(width);
+    return before[row + static_cast<std::size_t>(std::clamp(x, 0, width - 1))];
+  };
+  const int left = static_cast<int>(std::floor(-by_px.x()));
+  const int up = static_cast<int>(std::floor(-by_px.y()));
+  const auto fx = static_cast<float>(-by_px.x() - left);
+  const auto fy = static_cast<float>(-by_px.y() - up);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const float above = (1.0f - fx) * at(x + left, y + up) + fx * at(x + left + 1, y + up);
+      const float below = (1.0f - fx) * at(x + left, y + up + 1) + fx * at(x + left + 1, y + up + 1);
+      (*plane)[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] =
+          (1.0f - fy) * above + fy * below;
+    }
+  }
+}
+
 /// Pictures of a projector: one until `since_s`, another from then on.
 struct Showing {
   ProjectorLight before;
@@ -51,6 +76,7 @@ struct SimulatedMuseum::State {
   double true_angle_rad = 0.0;
   std::uint64_t turns = 0;
   std::uint64_t photographs = 0;
+  double automatic_gain = 1.0;
   std::vector<Eigen::Vector3d> directions{};
   std::vector<float> vignetting{};
   std::optional<CameraTable> table{};
@@ -69,6 +95,33 @@ struct SimulatedMuseum::State {
     true_angle_rad = angle_after(0.0);
   }
 
+  /// Shift of the camera's picture by its mount.
+  [[nodiscard]] Eigen::Vector2d mount_shift_px() const {
+    const TrueTurntable& mount = truth.truth().turntable;
+    Eigen::Vector2d shift = now_s / 3600.0 * mount.creep_px_per_h;
+    if (mount.vibration_px > 0.0) {
+      const std::uint64_t random = mixed(mixed(truth.truth().seed + 0x30000u) + photographs);
+      const auto quantiles = normal_quantiles();
+      for (int axis = 0; axis < 2; ++axis) {
+        const float deviate = quantiles[(random >> (16 * axis)) % quantiles.size()];
+        shift[axis] += mount.vibration_px * static_cast<double>(deviate);
+      }
+    }
+    return shift;
+  }
+
+  /// Brings the mean of the next picture nearer to what the camera likes.
+  template <int Channels>
+  void adapt_exposure(const Image<std::uint16_t, Channels>& codes) {
+    double sum = 0.0;
+    for (const std::uint16_t code : codes.data()) sum += code;
+    const TrueCamera& camera = truth.truth().camera;
+    const double mean = sum / static_cast<double>(codes.data().size()) / ((1 << camera.bits) - 1);
+    // The response is a power, so that codes answer light less than in proportion.
+    const double wanted = std::pow(camera.pipeline.auto_exposure / std::max(mean, 1e-3), 1.0 / camera.response.gamma);
+    automatic_gain = std::clamp(automatic_gain * std::sqrt(wanted), 1.0 / 64.0, 8.0);
+  }
+
   [[nodiscard]] double angle_after(double told) const {
     const TrueTurntable& turntable = truth.truth().turntable;
     const std::uint64_t random = mixed(mixed(truth.truth().seed) + turns);
@@ -80,7 +133,8 @@ struct SimulatedMuseum::State {
 
   /// Response of the camera's channels to the light on the wall's cells that varies slowly: indirect and ambient light.
   [[nodiscard]] std::vector<std::vector<float>> slow_light(const std::vector<CameraChannel>& channels, bool is_before) {
-    InterReflection::Light light(truth.cells().count(), truth.truth().ambient_lux);
+    const RoomColour ambient = truth.truth().ambient_at(now_s);
+    InterReflection::Light light(truth.cells().count(), ambient);
     if (const InterReflection* walls = truth.inter_reflection()) {
       for (std::size_t i = 0; i < showing.size(); ++i) {
         const auto& direct = picture_of(i, is_before).direct_light(truth, i);
@@ -90,7 +144,7 @@ struct SimulatedMuseum::State {
       }
       light = walls->indirect(light);
       for (RoomColour& lux : light) {
-        for (std::size_t r = 0; r < 3; ++r) lux[r] += truth.truth().ambient_lux[r];
+        for (std::size_t r = 0; r < 3; ++r) lux[r] += ambient[r];
       }
     }
     std::vector<std::vector<float>> seen;
@@ -131,7 +185,7 @@ void SimulatedMuseum::State::add_slow_light(const std::vector<std::vector<float>
     for (std::size_t c = 0; c < cells.size(); ++c) {
       float light = 0.0f;
       for (std::size_t k = 0; k < 4; ++k) light += static_cast<float>(share.weights[k]) * cells[c][share.cells[k]];
-      (*planes)[c][pixel] = light;
+      (*planes)[c][pixel] = position.paint * light;
     }
   }
 }
@@ -155,9 +209,12 @@ std::vector<std::vector<float>> SimulatedMuseum::State::seen_light(const std::ve
     for (std::size_t i = 0; i < lights.size(); ++i) {
       if (lights[i] == nullptr) continue;
       const CameraTable::Projector& seen = table->projectors[i];
+      const Eigen::Vector2f drift = truth.truth().projectors[i].drift_at(now_s).cast<float>();
       const std::size_t last = seen.row_begins[static_cast<std::size_t>(end)];
       for (std::size_t k = seen.row_begins[static_cast<std::size_t>(begin)]; k < last; ++k) {
-        const CameraTable::Sample& s = seen.samples[k];
+        CameraTable::Sample s = seen.samples[k];
+        s.u += drift.x();
+        s.v += drift.y();
         const float sum_u = s.uu + s.uv;
         const float sum_v = s.uv + s.vv;
         const float difference_u = s.uu - s.uv;
@@ -230,9 +287,12 @@ Result<Image<std::uint16_t, Channels>> SimulatedMuseum::State::photograph(const 
   if (!table) table = make_camera_table(truth, camera.lens, truth.camera_pose(true_angle_rad), directions, threads);
   std::vector<std::vector<float>> light = exposed_light(channels, exposure_s);
   Image<std::uint16_t, Channels> codes(width, height);
-  const auto electrons_per_nit = static_cast<float>(camera.electrons_per_nit_s * exposure_s);
+  const double exposed_s = camera.pipeline.auto_exposure > 0.0 ? kAutomatic_s * automatic_gain : exposure_s;
+  const auto electrons_per_nit = static_cast<float>(camera.electrons_per_nit_s * exposed_s);
+  const Eigen::Vector2d moved = mount_shift_px();
   const double blur_px = std::sqrt(camera.blur_px * camera.blur_px + kFootprintLack_px2);
   for (std::size_t c = 0; c < light.size(); ++c) {
+    shift_plane(&light[c], width, height, moved);
     blur_plane(&light[c], width, height, blur_px, threads);
     for_rows(height, threads, [&](int begin, int end) {
       for (int y = begin; y < end; ++y) {
@@ -245,6 +305,8 @@ Result<Image<std::uint16_t, Channels>> SimulatedMuseum::State::photograph(const 
       }
     });
   }
+  camera.pipeline.apply(&codes, (1 << camera.bits) - 1);
+  if (camera.pipeline.auto_exposure > 0.0) adapt_exposure(codes);
   ++photographs;
   now_s += exposure_s + camera.line_time_s * (height - 1);
   return codes;

@@ -225,7 +225,7 @@ Result<GreyImage> SimulatedShow::photograph(std::size_t camera, double exposure_
                                  static_cast<double>(position.along)});
       float light = 0.0f;
       for (std::size_t k = 0; k < 4; ++k) light += static_cast<float>(share.weights[k]) * cells[share.cells[k]];
-      plane[pixel] = light;
+      plane[pixel] = position.paint * light;
     }
     for (std::size_t i = 0; i < shone.size(); ++i) {
       if (shone[i] == nullptr) continue;
@@ -256,6 +256,7 @@ Result<GreyImage> SimulatedShow::photograph(std::size_t camera, double exposure_
     eyes_[camera].sensor.read_row(row, stream, codes.at(0, y), 1);
   }
   ++photographs_;
+  optics.pipeline.apply(&codes, (1 << optics.bits) - 1);
   return to_8_bits(codes, optics.bits);
 }
 

@@ -124,8 +124,13 @@ Status SimulatedStage::show(std::size_t projector, const RgbImage& picture) {
     return Error(ErrorCode::kInvalidArgument, fmt::format("there is no projector {}", projector));
   const Pinhole& lens = state_->show.truth().truth().projectors[projector].lens.pinhole();
   const int factor = picture.empty() ? 1 : std::max(1, lens.width_px / picture.width());
-  state_->pictures[projector] = factor == 1 ? picture : enlarged(picture, factor, lens.width_px, lens.height_px);
-  return state_->show.show(projector, state_->pictures[projector]);
+  // A picture of another shape is refused below.
+  const bool is_smaller =
+      factor > 1 && picture.width() == lens.width_px / factor && picture.height() == lens.height_px / factor;
+  RgbImage shown = is_smaller ? enlarged(picture, factor, lens.width_px, lens.height_px) : picture;
+  TRY(state_->show.show(projector, shown));
+  state_->pictures[projector] = std::move(shown);
+  return Done{};
 }
 
 Result<GreyImage> SimulatedStage::photograph(std::size_t camera, double exposure_s) {

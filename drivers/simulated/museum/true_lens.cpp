@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <utility>
 
 namespace cyclorama::simulated {
 namespace {
@@ -38,10 +39,37 @@ double turning_radius(const std::array<double, 3>& k) {
 
 }  // namespace
 
-TrueLens::TrueLens(const Pinhole& pinhole, const std::array<double, 3>& radial, const std::array<double, 2>& tangential)
-    : pinhole_(pinhole), radial_(radial), tangential_(tangential), max_tangent_(turning_radius(radial)) {}
+TrueLens::TrueLens(const Pinhole& pinhole, const std::array<double, 3>& radial, const std::array<double, 2>& tangential,
+                   std::vector<LensWave> waves)
+    : pinhole_(pinhole),
+      radial_(radial),
+      tangential_(tangential),
+      waves_(std::move(waves)),
+      max_tangent_(turning_radius(radial)) {}
 
 Eigen::Vector2d TrueLens::distorted(const Eigen::Vector2d& ideal) const {
+  const Eigen::Vector2d smooth = brown(ideal);
+  Eigen::Vector2d seen = smooth;
+  for (const LensWave& wave : waves_) {
+    const double angle = pinhole_.focal_px * wave.rad_per_px.dot(smooth) + wave.phase_rad;
+    seen += std::sin(angle) / pinhole_.focal_px * wave.shift_px;
+  }
+  return seen;
+}
+
+Eigen::Matrix2d TrueLens::derivative(const Eigen::Vector2d& ideal) const {
+  const Eigen::Matrix2d by_ideal = brown_derivative(ideal);
+  if (waves_.empty()) return by_ideal;
+  const Eigen::Vector2d smooth = brown(ideal);
+  Eigen::Matrix2d by_smooth = Eigen::Matrix2d::Identity();
+  for (const LensWave& wave : waves_) {
+    const double angle = pinhole_.focal_px * wave.rad_per_px.dot(smooth) + wave.phase_rad;
+    by_smooth += std::cos(angle) * wave.shift_px * wave.rad_per_px.transpose();
+  }
+  return by_smooth * by_ideal;
+}
+
+Eigen::Vector2d TrueLens::brown(const Eigen::Vector2d& ideal) const {
   const double x = ideal.x();
   const double y = ideal.y();
   const double s = x * x + y * y;
@@ -50,7 +78,7 @@ Eigen::Vector2d TrueLens::distorted(const Eigen::Vector2d& ideal) const {
   return {x * scale + 2.0 * p1 * x * y + p2 * (s + 2.0 * x * x), y * scale + p1 * (s + 2.0 * y * y) + 2.0 * p2 * x * y};
 }
 
-Eigen::Matrix2d TrueLens::derivative(const Eigen::Vector2d& ideal) const {
+Eigen::Matrix2d TrueLens::brown_derivative(const Eigen::Vector2d& ideal) const {
   const double x = ideal.x();
   const double y = ideal.y();
   const double s = x * x + y * y;

@@ -136,11 +136,21 @@ double TrueMuseum::channel_light(std::size_t projector, std::size_t channel, int
   return light_of_code_[projector][channel][static_cast<std::size_t>(code)];
 }
 
+double TrueMuseum::white_light(std::size_t projector, const std::array<double, 3>& channels) const {
+  return truth_.projectors[projector].white_segment * std::min({channels[0], channels[1], channels[2]});
+}
+
 RoomColour TrueMuseum::colour_of(std::size_t projector, const std::array<int, 3>& code) const {
   RoomColour colour{};
   for (std::size_t c = 0; c < 3; ++c) {
     const double light = channel_light(projector, c, code[c]);
     for (std::size_t r = 0; r < 3; ++r) colour[r] += light * truth_.projectors[projector].primaries[c][r];
+  }
+  const double white =
+      white_light(projector, {channel_light(projector, 0, code[0]), channel_light(projector, 1, code[1]),
+                              channel_light(projector, 2, code[2])});
+  for (const RoomColour& primary : truth_.projectors[projector].primaries) {
+    for (std::size_t r = 0; r < 3; ++r) colour[r] += white * primary[r];
   }
   return colour;
 }
@@ -158,7 +168,9 @@ InterReflection::Light TrueMuseum::direct_light(std::size_t projector, const Rgb
       const std::uint8_t* code = picture.at(0, y);
       for (int x = 0; x < picture.width(); ++x, code += 3) {
         RoomColour& sum = sums[static_cast<std::size_t>(x / kBlock)];
-        for (std::size_t c = 0; c < 3; ++c) sum[c] += tables[c][code[c]];
+        const std::array<double, 3> shown{tables[0][code[0]], tables[1][code[1]], tables[2][code[2]]};
+        const double white = white_light(projector, shown);
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += shown[c] + white;
       }
     }
     for (int bx = 0; bx < across; ++bx) {
@@ -212,7 +224,8 @@ RoomColour TrueMuseum::radiance_at(const TrueWall::Hit& at, std::span<const RgbI
       for (std::size_t r = 0; r < 3; ++r) lux[r] += share.weights[k] * indirect[share.cells[k]][r];
     }
   }
-  for (std::size_t r = 0; r < 3; ++r) lux[r] *= truth_.albedo[r] / std::numbers::pi;
+  const double paint = truth_.paint.is_plain() ? 1.0 : truth_.paint.albedo_at(at);
+  for (std::size_t r = 0; r < 3; ++r) lux[r] *= paint * truth_.albedo[r] / std::numbers::pi;
   return lux;
 }
 

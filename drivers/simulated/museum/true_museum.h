@@ -47,6 +47,8 @@ class TrueMuseum {
   [[nodiscard]] double defocus_px(std::size_t projector, const TrueWall::Hit& at) const;
   /// Light of a channel for an 8-bit code, black level included, in [0, 1].
   [[nodiscard]] double channel_light(std::size_t projector, std::size_t channel, int code) const;
+  /// Light of the colour wheel's white segment beside the light of the three channels.
+  [[nodiscard]] double white_light(std::size_t projector, const std::array<double, 3>& channels) const;
   /// Room colour of a projector whose whole picture has this code, per unit of gain_lux().
   [[nodiscard]] RoomColour colour_of(std::size_t projector, const std::array<int, 3>& code) const;
 

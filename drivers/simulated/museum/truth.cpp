@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drivers/simulated/museum/truth.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -57,6 +59,17 @@ TrueResponse curve_of(ConfigTable table) {
   return curve;
 }
 
+std::vector<LensWave> waves_of(ConfigTable* table) {
+  std::vector<LensWave> waves;
+  for (ConfigTable& wave : table->tables("wave")) {
+    const auto shift = wave.numbers("shift_px", 2, {-100.0, 100.0});
+    const auto slope = wave.numbers("rad_per_px", 2, {-10.0, 10.0});
+    const double phase = wave.number("phase_rad", {-10.0, 10.0}, 0.0);
+    if (shift.size() == 2 && slope.size() == 2) waves.push_back({{shift[0], shift[1]}, {slope[0], slope[1]}, phase});
+  }
+  return waves;
+}
+
 TrueLens lens_of(ConfigTable table) {
   Pinhole pinhole;
   pinhole.width_px = table.integer("width_px", {1, 16384});
@@ -69,8 +82,36 @@ TrueLens lens_of(ConfigTable table) {
   }
   const auto k = table.numbers("radial", 3, kSmall, std::vector<double>(3, 0.0));
   const auto p = table.numbers("tangential", 2, {-1.0, 1.0}, std::vector<double>(2, 0.0));
+  const std::vector<LensWave> waves = waves_of(&table);
   if (k.size() != 3 || p.size() != 2) return TrueLens(pinhole);
-  return TrueLens(pinhole, {k[0], k[1], k[2]}, {p[0], p[1]});
+  return TrueLens(pinhole, {k[0], k[1], k[2]}, {p[0], p[1]}, waves);
+}
+
+WallPaint paint_of(ConfigTable table) {
+  constexpr Range kPart{0.0, 1.0};
+  WallPaint paint;
+  for (ConfigTable& seam : table.tables("seam"))
+    paint.seams.push_back(
+        {seam.number("across", kPart), seam.number("width", {1e-5, 1.0}), seam.number("albedo", kPart)});
+  for (ConfigTable& panel : table.tables("panel")) {
+    paint.panels.push_back({panel.number("left", kPart), panel.number("right", kPart), panel.number("low", kPart),
+                            panel.number("high", kPart), panel.number("albedo", kPart),
+                            panel.number("gloss", kNotNegative, 0.0)});
+  }
+  paint.plaster = table.number("plaster", {0.0, 0.5}, paint.plaster);
+  paint.plaster_grain_m = table.number("plaster_grain_m", {1e-4, 1.0}, paint.plaster_grain_m);
+  paint.sheen = table.number("sheen", {0.0, 10.0}, paint.sheen);
+  paint.sheen_exponent = table.number("sheen_exponent", {1.0, 1e4}, paint.sheen_exponent);
+  return paint;
+}
+
+CameraPipeline pipeline_of(ConfigTable table) {
+  CameraPipeline pipeline;
+  pipeline.noise_reduction = table.number("noise_reduction", {0.0, 1.0}, 0.0);
+  pipeline.sharpening = table.number("sharpening", {0.0, 10.0}, 0.0);
+  pipeline.jpeg_quality = table.integer("jpeg_quality", {0, 100}, 0);
+  pipeline.auto_exposure = table.number("auto_exposure", {0.0, 1.0}, 0.0);
+  return pipeline;
 }
 
 WallDeviation deviation_of(ConfigTable table) {
@@ -100,6 +141,12 @@ TrueProjector projector_of(ConfigTable table) {
   p.focus_distance_m = table.number("focus_distance_m", {0.01, kMany}, p.focus_distance_m);
   p.defocus_px_per_dioptre = table.number("defocus_px_per_dioptre", {0.0, 1000.0}, p.defocus_px_per_dioptre);
   p.latency_s = table.number("latency_s", {0.0, 10.0}, p.latency_s);
+  const auto colour = table.numbers("lateral_colour", 2, {-0.1, 0.1}, std::vector<double>(2, 0.0));
+  if (colour.size() == 2) p.lateral_colour = {colour[0], colour[1]};
+  p.white_segment = table.number("white_segment", {0.0, 10.0}, p.white_segment);
+  const auto drift = table.numbers("drift_px", 2, {-100.0, 100.0}, std::vector<double>(2, 0.0));
+  if (drift.size() == 2) p.drift_px = {drift[0], drift[1]};
+  p.warm_up_s = table.number("warm_up_s", {1.0, kMany}, p.warm_up_s);
   return p;
 }
 
@@ -118,6 +165,7 @@ TrueCamera camera_of(ConfigTable table) {
   c.pedestal = table.number("pedestal", {0.0, 0.5}, c.pedestal);
   c.blur_px = table.number("blur_px", {0.0, 20.0}, c.blur_px);
   c.line_time_s = table.number("line_time_s", {0.0, 1.0}, c.line_time_s);
+  c.pipeline = pipeline_of(table.table("pipeline"));
   return c;
 }
 
@@ -130,10 +178,37 @@ TrueTurntable turntable_of(ConfigTable table) {
   turntable.backlash_rad = table.number("backlash_rad", {0.0, 1.0}, turntable.backlash_rad);
   turntable.jitter_rad = table.number("jitter_rad", {0.0, 1.0}, turntable.jitter_rad);
   turntable.speed_rad_s = table.number("speed_rad_s", {1e-3, 1e3}, turntable.speed_rad_s);
+  const auto creep = table.numbers("creep_px_per_h", 2, {-1e3, 1e3}, std::vector<double>(2, 0.0));
+  if (creep.size() == 2) turntable.creep_px_per_h = {creep[0], creep[1]};
+  turntable.vibration_px = table.number("vibration_px", {0.0, 100.0}, turntable.vibration_px);
   return turntable;
 }
 
 }  // namespace
+
+Eigen::Vector2d TrueProjector::drift_at(double now_s) const {
+  return (1.0 - std::exp(-std::max(now_s, 0.0) / warm_up_s)) * drift_px;
+}
+
+RoomColour MuseumTruth::ambient_at(double now_s) const {
+  const double share = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * now_s / daylight_period_s);
+  RoomColour lux = ambient_lux;
+  for (std::size_t r = 0; r < 3; ++r) lux[r] += share * daylight_lux[r];
+  return lux;
+}
+
+MuseumTruth MuseumTruth::warmed_up(double now_s) const {
+  MuseumTruth truth = *this;
+  for (TrueProjector& projector : truth.projectors) {
+    const Eigen::Vector2d drift = projector.drift_at(now_s);
+    Pinhole pinhole = projector.lens.pinhole();
+    pinhole.centre_u_px += drift.x();
+    pinhole.centre_v_px += drift.y();
+    projector.lens = TrueLens(pinhole, projector.lens.radial(), projector.lens.tangential(), projector.lens.waves());
+    projector.drift_px.setZero();
+  }
+  return truth;
+}
 
 MuseumTruth MuseumTruth::ideal(const Installation& installation) {
   MuseumTruth truth;
@@ -160,6 +235,9 @@ Result<MuseumTruth> MuseumTruth::parse(std::string_view text, std::string name, 
   truth.deviation = deviation_of(root.table("deviation"));
   truth.albedo = colour_of(&root, "albedo", {0.0, 0.99}, truth.albedo);
   truth.ambient_lux = colour_of(&root, "ambient_lux", kNotNegative, truth.ambient_lux);
+  truth.paint = paint_of(root.table("paint"));
+  truth.daylight_lux = colour_of(&root, "daylight_lux", kNotNegative, truth.daylight_lux);
+  truth.daylight_period_s = root.number("daylight_period_s", {1.0, kMany}, truth.daylight_period_s);
   truth.surround_nits = root.number("surround_nits", kNotNegative, truth.surround_nits);
   truth.cells = root.integer("cells", {0, 4000}, truth.cells);
   truth.seed = static_cast<std::uint32_t>(root.integer("seed", {0, std::numeric_limits<int>::max()}, 1));

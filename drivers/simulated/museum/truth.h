@@ -15,9 +15,11 @@
 
 #include "common/base/result.h"
 #include "common/room/installation.h"
+#include "drivers/simulated/museum/camera_pipeline.h"
 #include "drivers/simulated/museum/true_lens.h"
 #include "drivers/simulated/museum/true_response.h"
 #include "drivers/simulated/museum/wall_deviation.h"
+#include "drivers/simulated/museum/wall_paint.h"
 
 namespace cyclorama::frame {
 struct Turntable;  ///< A turntable at angle 0: y along its axis, upwards; x right, z back.
@@ -41,6 +43,16 @@ struct TrueProjector {
   double focus_distance_m = 4.0;
   double defocus_px_per_dioptre = 0.0;
   double latency_s = 0.0;  ///< Delay from show() to the light of the picture.
+  /// Enlargement of the red and the blue picture about the lens's axis, relative to the green one.
+  std::array<double, 2> lateral_colour{};
+  /// Light of the colour wheel's white segment, relative to white of the other segments: it is lit as far as red, green
+  /// and blue have in common.
+  double white_segment = 0.0;
+  /// The picture's shift once the projector is warm, in its own pixels; it is cold at the museum's time 0.
+  Eigen::Vector2d drift_px = Eigen::Vector2d::Zero();
+  double warm_up_s = 600.0;  ///< Time after which all but 1/e of the shift is done.
+
+  [[nodiscard]] Eigen::Vector2d drift_at(double now_s) const;
 };
 
 struct TrueCamera {
@@ -58,6 +70,7 @@ struct TrueCamera {
   double pedestal = 0.0;     ///< Offset added before the response, so that dark noise is not clipped.
   double blur_px = 0.0;      ///< Standard deviation of the lens blur, in addition to the pixel's own square.
   double line_time_s = 0.0;  ///< Delay between the exposures of successive rows; 0 for a global shutter.
+  CameraPipeline pipeline{};
 };
 
 /// Angles are positive to the right (clockwise from above), as headings are.
@@ -71,6 +84,9 @@ struct TrueTurntable {
   double backlash_rad = 0.0;  ///< The angle falls short by half of this in the direction of the last turn.
   double jitter_rad = 0.0;    ///< Standard deviation of the angle at each stop.
   double speed_rad_s = 0.5;
+  /// The mount gives way: motion of the camera's picture in an hour, and in each photograph (standard deviation).
+  Eigen::Vector2d creep_px_per_h = Eigen::Vector2d::Zero();
+  double vibration_px = 0.0;
 };
 
 /// A value; reentrant.
@@ -79,13 +95,21 @@ struct MuseumTruth {
   RigidTransform<frame::Room, frame::Room> T_room_wall;  ///< Displacement of the wall from its nominal pose.
   WallDeviation deviation;
   RoomColour albedo{0.8, 0.8, 0.8};
+  WallPaint paint;
   RoomColour ambient_lux{};    ///< Uniform on the whole wall.
+  RoomColour daylight_lux{};   ///< Largest daylight, which comes and goes; added to `ambient_lux`.
+  double daylight_period_s = 600.0;
   double surround_nits = 0.0;  ///< Radiance that the camera sees beside the wall.
   int cells = 400;             ///< Number of wall cells for inter-reflection; 0 disables it.
   std::vector<TrueProjector> projectors;
   TrueCamera camera;
   TrueTurntable turntable;
   std::uint32_t seed = 1;  ///< Seed of the noise and of the turntable's stops.
+
+  /// Light on the whole wall besides the projectors'.
+  [[nodiscard]] RoomColour ambient_at(double now_s) const;
+  /// The same museum with projectors that stay as they are at a time.
+  [[nodiscard]] MuseumTruth warmed_up(double now_s) const;
 
   /// Returns a room that matches the installation exactly, with a perfect camera of one megapixel turning on the sweet
   /// spot.

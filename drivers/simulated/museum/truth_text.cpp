@@ -17,6 +17,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 std::string list(const std::vector<double>& values) { return fmt::format("[{}]", fmt::join(values, ", ")); }
 std::string list(const RoomColour& c) { return list(std::vector<double>(c.begin(), c.end())); }
 std::string list(const Eigen::Vector3d& v) { return list(std::vector<double>{v.x(), v.y(), v.z()}); }
+std::string list(const Eigen::Vector2d& v) { return list(std::vector<double>{v.x(), v.y()}); }
 std::string list(const ColourMatrix& m) { return fmt::format("[{}, {}, {}]", list(m[0]), list(m[1]), list(m[2])); }
 
 /// Keys are in the order of truth.cpp. Numbers are written with enough digits for an exact round trip.
@@ -52,6 +53,41 @@ struct Writer {
     key("centre_px", list(std::vector<double>{pinhole.centre_u_px, pinhole.centre_v_px}));
     key("radial", list(RoomColour(lens.radial())));
     key("tangential", list(std::vector<double>{lens.tangential()[0], lens.tangential()[1]}));
+    for (const LensWave& wave : lens.waves()) {
+      item(name + ".wave");
+      key("shift_px", list(wave.shift_px));
+      key("rad_per_px", list(wave.rad_per_px));
+      key("phase_rad", wave.phase_rad);
+    }
+  }
+  void paint(const WallPaint& paint) {
+    head("paint");
+    key("plaster", paint.plaster);
+    key("plaster_grain_m", paint.plaster_grain_m);
+    key("sheen", paint.sheen);
+    key("sheen_exponent", paint.sheen_exponent);
+    for (const WallPaint::Seam& seam : paint.seams) {
+      item("paint.seam");
+      key("across", seam.across);
+      key("width", seam.width);
+      key("albedo", seam.albedo);
+    }
+    for (const WallPaint::Panel& panel : paint.panels) {
+      item("paint.panel");
+      key("left", panel.left);
+      key("right", panel.right);
+      key("low", panel.low);
+      key("high", panel.high);
+      key("albedo", panel.albedo);
+      key("gloss", panel.gloss);
+    }
+  }
+  void pipeline(const CameraPipeline& pipeline) {
+    head("camera.pipeline");
+    key("noise_reduction", pipeline.noise_reduction);
+    key("sharpening", pipeline.sharpening);
+    key("jpeg_quality", pipeline.jpeg_quality);
+    key("auto_exposure", pipeline.auto_exposure);
   }
 
   void shape(const CylinderWall& wall) {
@@ -96,6 +132,10 @@ struct Writer {
     key("focus_distance_m", p.focus_distance_m);
     key("defocus_px_per_dioptre", p.defocus_px_per_dioptre);
     key("latency_s", p.latency_s);
+    key("lateral_colour", list(Eigen::Vector2d(p.lateral_colour[0], p.lateral_colour[1])));
+    key("white_segment", p.white_segment);
+    key("drift_px", list(p.drift_px));
+    key("warm_up_s", p.warm_up_s);
     lens("projector.lens", p.lens);
     pose("projector.pose", p.T_room_projector);
     curve("projector.red", p.response[0]);
@@ -117,6 +157,7 @@ struct Writer {
     key("line_time_s", c.line_time_s);
     lens("camera.lens", c.lens);
     curve("camera.response", c.response);
+    pipeline(c.pipeline);
   }
   void turntable(const TrueTurntable& p) {
     head("turntable");
@@ -125,6 +166,8 @@ struct Writer {
     key("backlash_rad", p.backlash_rad);
     key("jitter_rad", p.jitter_rad);
     key("speed_rad_s", p.speed_rad_s);
+    key("creep_px_per_h", list(p.creep_px_per_h));
+    key("vibration_px", p.vibration_px);
     pose("turntable.axis", p.T_room_turntable);
     pose("turntable.camera", p.T_turntable_camera);
   }
@@ -138,6 +181,8 @@ std::string MuseumTruth::text() const {
   writer.key("seed", seed);
   writer.key("albedo", list(albedo));
   writer.key("ambient_lux", list(ambient_lux));
+  writer.key("daylight_lux", list(daylight_lux));
+  writer.key("daylight_period_s", daylight_period_s);
   writer.key("surround_nits", surround_nits);
   writer.key("cells", cells);
   std::visit([&](const auto& shape) { writer.shape(shape); }, wall);
@@ -156,6 +201,7 @@ std::string MuseumTruth::text() const {
     writer.key("t_m", bump.t_m);
     writer.key("sigma_m", bump.sigma_m);
   }
+  writer.paint(paint);
   for (const TrueProjector& projector : projectors) writer.projector(projector);
   writer.camera(camera);
   writer.turntable(turntable);

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The card that shows whether the projectors are still aligned.
-import { byId, isNumber, make, makeSvg } from "./helpers.js";
+import { ago, byId, fixed, isNumber, make, makeSvg } from "./helpers.js";
 import { ask, press, say } from "./requests.js";
+import { tr } from "./texts.js";
 
 const kLine = ["#d7b36a", "#7fb0c9", "#c98a7f", "#9cc07f", "#b39bd1", "#cfcfcf"];
-
-function ago(seconds) {
-  if (seconds < 90) return `${Math.round(seconds)} s ago`;
-  return seconds < 5400 ? `${Math.round(seconds / 60)} min ago` : `${Math.round(seconds / 3600)} h ago`;
-}
 
 // Plots the errors of the last ten minutes, the newest at the right, with a gap where nothing was measured.
 function healingPlot(names, history) {
@@ -22,12 +18,12 @@ function healingPlot(names, history) {
   const svg = makeSvg("svg", {
     viewBox: `0 0 ${width} ${height}`,
     role: "img",
-    "aria-label": `Each projector's error in the last ten minutes: at most ${largest.toFixed(1)} pixels`,
+    "aria-label": tr("Each projector's error in the last ten minutes: at most {px} pixels", { px: fixed(largest, 1) }),
   });
   for (const px of [0.2, 1, 5, 25, 125].filter((mark) => mark <= largest)) {
     svg.append(makeSvg("line", { x1: 0, x2: width, y1: y(px), y2: y(px), class: "mark" }));
     const label = makeSvg("text", { x: 2, y: y(px) - 2 });
-    label.textContent = `${px} px`;
+    label.textContent = `${fixed(px, px < 1 ? 1 : 0)} px`;
     svg.append(label);
   }
   names.forEach((name, i) => {
@@ -51,14 +47,15 @@ function healingLine(projector, colour) {
   const words = make("span");
   const name = make("b", projector.name);
   name.style.color = colour;
-  words.append(name, projector.state === "good" ? ": in position" : `: ${projector.reason || projector.state}`);
+  const state = projector.state === "good" ? tr("in position") : projector.reason || projector.state;
+  words.append(name, `: ${state}`);
   const figures = [];
-  if (isNumber(projector.off_px) && projector.state === "good") figures.push(`error ${projector.off_px.toFixed(2)} px`);
-  if (isNumber(projector.sigma_px)) figures.push(`uncertainty ${projector.sigma_px.toFixed(2)} px`);
+  if (isNumber(projector.off_px) && projector.state === "good") figures.push(tr("error {px} px", { px: fixed(projector.off_px, 2) }));
+  if (isNumber(projector.sigma_px)) figures.push(tr("uncertainty {px} px", { px: fixed(projector.sigma_px, 2) }));
   if (isNumber(projector.last_px))
-    figures.push(`corrected by ${projector.last_px.toFixed(1)} px ${ago(projector.last_s)}`);
+    figures.push(tr("corrected by {px} px {ago}", { px: fixed(projector.last_px, 1), ago: ago(projector.last_s) }));
   words.append(make("span", figures.join(", "), "figures-line"));
-  if (projector.wants_scan) words.append(make("span", "Start a calibration when the museum is closed.", "remedy"));
+  if (projector.wants_scan) words.append(make("span", tr("Start a calibration when the museum is closed."), "remedy"));
   item.append(words);
   return item;
 }
@@ -66,8 +63,9 @@ function healingLine(projector, colour) {
 export function showHealing(watched) {
   byId("healing-card").hidden = watched === null;
   if (watched === null) return;
-  byId("healing-state").textContent =
-    "Fixed cameras compare the wall with the shown picture. A projector that was bumped is corrected without patterns.";
+  byId("healing-state").textContent = tr(
+    "Fixed cameras compare the wall with the shown picture. A projector that was bumped is corrected without patterns.",
+  );
   byId("healing-projectors").replaceChildren(
     ...watched.projectors.map((one, i) => healingLine(one, kLine[i % kLine.length])),
   );
@@ -78,10 +76,10 @@ export function showHealing(watched) {
 
 press("realign", async () => {
   await ask("/realign", {});
-  say("Every projector is measured anew; errors are corrected within some seconds.");
+  say(tr("Every projector is measured anew; errors are corrected within some seconds."));
 });
 
 press("realign-undo", async () => {
   const answer = await ask("/realign/undo", {});
-  say(`Undone: ${answer.undone}.`);
+  say(tr("Undone: {what}.", { what: answer.undone }));
 });

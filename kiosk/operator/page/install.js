@@ -4,6 +4,7 @@ import { byId, get, make, pause, post, repeat } from "./helpers.js";
 import { drawCalibration, drawCameras, drawDone, drawFarm, drawName, drawNetwork, drawWall } from "./install_extras.js";
 import { projectorFields, steps } from "./install_steps.js";
 import { ask, press, say } from "./requests.js";
+import { tr } from "./texts.js";
 
 const extras = {
   name: drawName,
@@ -95,17 +96,17 @@ function projectorButtons(number) {
     line.append(one);
   };
   const name = fieldsOf("projectors")[`${number}.name`] || `projector ${number}`;
-  button("Let it blink", `Let it blink: ${name}`, () => blink(number));
-  if (number > 1) button("To the left", `To the left: ${name}`, () => swap(number, number - 1));
+  button(tr("Let it blink"), tr("Let it blink: {name}", { name }), () => blink(number));
+  if (number > 1) button(tr("To the left"), tr("To the left: {name}", { name }), () => swap(number, number - 1));
   return line;
 }
 
 async function blink(number) {
   try {
     await ask("/setup/blink", { projector: fieldsOf("projectors")[`${number}.name`] });
-    say("It blinks for six seconds; all others are dark.");
+    say(tr("It blinks for six seconds; all others are dark."));
   } catch (problem) {
-    say(`That did not work: ${problem.message}`, true);
+    say(tr("That did not work: {why}", { why: problem.message }), true);
   }
 }
 
@@ -158,7 +159,7 @@ async function saveNow(step) {
       else mine.get(step).revision = json.revision;
     }
   } catch (problem) {
-    say(`Not saved yet: ${problem.message}. It is tried again.`, true);
+    say(tr("Not saved yet: {why}. It is tried again.", { why: problem.message }), true);
     timer = setTimeout(save, 2000, step);
   }
   show();
@@ -177,14 +178,21 @@ function showConflict() {
   const theirs = typed?.conflict;
   byId("conflict").hidden = !theirs;
   if (!theirs) return;
-  byId("conflict-words").textContent = `Somebody else (${theirs.by}) has changed this step meanwhile.`;
+  byId("conflict-words").textContent = tr("Somebody else ({by}) has changed this step meanwhile.", theirs);
   const names = Object.keys({ ...typed.fields, ...theirs.fields }).filter(
     (name) => (typed.fields[name] ?? "") !== (theirs.fields[name] ?? ""),
   );
   byId("conflict-fields").replaceChildren(
     ...names.map((name) => {
       const label = definitions(current).find((field) => field.name === name)?.label || name;
-      return make("li", `${label}: theirs is “${theirs.fields[name] ?? ""}”, yours is “${typed.fields[name] ?? ""}”.`);
+      return make(
+        "li",
+        tr("{label}: theirs is “{theirs}”, yours is “{yours}”.", {
+          label,
+          theirs: theirs.fields[name] ?? "",
+          yours: typed.fields[name] ?? "",
+        }),
+      );
     }),
   );
 }
@@ -210,20 +218,20 @@ function stateOf(step) {
 }
 
 const stateWords = {
-  used: "in use",
-  ready: "ready to use",
-  wrong: "something is wrong",
-  open: "to be done",
+  used: tr("in use"),
+  ready: tr("ready to use"),
+  wrong: tr("something is wrong"),
+  open: tr("to be done"),
 };
 
 function missingOf(step) {
   if (step.missing) return step.missing(setup, museum);
   const known = kept(step.name);
-  if (known.in_use) return "These settings are in use.";
-  if (known.problems.length === 0) return "Complete, but not in use yet: press the button below.";
+  if (known.in_use) return tr("These settings are in use.");
+  if (known.problems.length === 0) return tr("Complete, but not in use yet: press the button below.");
   const first = known.problems[0];
   const label = definitions(step).find((field) => field.name === first.field)?.label;
-  return `Still missing: ${label ? `${label}. ` : ""}${first.sentence}`;
+  return tr("Still missing: {what}", { what: `${label ? `${label}. ` : ""}${first.sentence}` });
 }
 
 function showSteps() {
@@ -268,7 +276,7 @@ function show() {
   byId("step-missing").textContent = missingOf(current);
   byId("step-missing").classList.toggle("well", state === "used");
   byId("use-buttons").hidden = !isKept || !setup.can_change;
-  byId("use").textContent = current.use || "Use these settings";
+  byId("use").textContent = current.use || tr("Use these settings");
   byId("use").disabled =
     !isKept || state !== "ready" || setup.is_checking || mine.has(current.name) || setup.network.state === "trying";
   if (isKept) {
@@ -280,10 +288,10 @@ function show() {
   byId("next-step").disabled = at === steps.length - 1;
   const open = steps.filter((step) => stateOf(step) !== "used").length;
   byId("state").textContent = setup.is_checking
-    ? "The settings are being checked…"
+    ? tr("The settings are being checked…")
     : open === 0
-      ? "Everything is in use."
-      : `${steps.length - open} of ${steps.length} steps are done.`;
+      ? tr("Everything is in use.")
+      : tr("{n} of {all} steps are done.", { n: steps.length - open, all: steps.length });
   extras[current.name]?.(byId("extra"), setup, museum);
 }
 
@@ -311,7 +319,7 @@ press("use", async (button) => {
   await save(step);
   const answer = await ask("/setup/use", { step, revision: kept(step).revision }, 30);
   if (answer.code) sessionStorage.setItem("network-code", answer.code);
-  say(answer.code ? "" : "They are checked as a whole; that takes some seconds.");
+  say(answer.code ? "" : tr("They are checked as a whole; that takes some seconds."));
   while (!answer.code) {
     await pause(500);
     await look();
@@ -320,7 +328,7 @@ press("use", async (button) => {
   if (!answer.code) {
     const report = museum?.provisioning;
     const isRefused = report && report.verdict === "refused";
-    say(isRefused ? `Refused: ${report.problems.join(" ")}` : "They are in use.", isRefused);
+    say(isRefused ? tr("Refused: {why}", { why: report.problems.join(" ") }) : tr("They are in use."), isRefused);
   }
   button.disabled = false;
 });
@@ -330,7 +338,7 @@ function follow(old) {
   if (!current || !(current.name in setup.steps) || mine.has(current.name)) return;
   if (!old || old.steps[current.name].revision === kept(current.name).revision) return;
   drawFields();
-  say(`Changed by ${kept(current.name).by}.`);
+  say(tr("Changed by {by}.", kept(current.name)));
 }
 
 async function look() {
@@ -353,7 +361,7 @@ repeat(1000, async () => {
     await look();
   } catch {
     byId("state").textContent = setup
-      ? "The page does not answer; what you type is kept here and saved as soon as it does."
-      : "The page does not answer yet.";
+      ? tr("The page does not answer; what you type is kept here and saved as soon as it does.")
+      : tr("The page does not answer yet.");
   }
 });

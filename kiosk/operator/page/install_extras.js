@@ -3,6 +3,7 @@
 // changes their words, so that a button keeps the focus.
 import { make, makeSvg } from "./helpers.js";
 import { ask, say } from "./requests.js";
+import { tr } from "./texts.js";
 
 // Makes the elements when the step is shown first.
 function once(place, name, build) {
@@ -20,7 +21,7 @@ function button(id, words, work) {
     try {
       await work(one);
     } catch (problem) {
-      say(`That did not work: ${problem.message}`, true);
+      say(tr("That did not work: {why}", { why: problem.message }), true);
     }
     one.disabled = false;
   });
@@ -65,12 +66,12 @@ function fileField(step, name, label) {
     const file = input.files[0];
     if (!file) return;
     try {
-      if (file.size > 48000) throw new Error(`${file.name} is too large for a certificate or key`);
+      if (file.size > 48000) throw new Error(tr("{name} is too large for a certificate or key", file));
       await ask("/setup/bring", { step, name, content: await file.text() });
-      say(`${file.name} is here.`);
+      say(tr("{name} is here.", file));
     } catch (problem) {
       input.value = "";
-      say(`That did not work: ${problem.message}`, true);
+      say(tr("That did not work: {why}", { why: problem.message }), true);
     }
   });
   box.append(title, input, state);
@@ -79,7 +80,7 @@ function fileField(step, name, label) {
 
 function showFiles(place, step) {
   for (const state of place.querySelectorAll("[data-file]"))
-    state.textContent = (step.brought || []).includes(state.dataset.file) ? "It is here." : "Not brought yet.";
+    state.textContent = (step.brought || []).includes(state.dataset.file) ? tr("It is here.") : tr("Not brought yet.");
 }
 
 // ---- Name, PIN, recovery key ----
@@ -88,14 +89,18 @@ export function drawName(place, setup, museum) {
     element("p", "pin-state"),
     element("p", "key-state"),
     buttons(
-      button("key-show", "Show the recovery key", async () => {
+      button("key-show", tr("Show the recovery key"), async () => {
         const answer = await ask("/recovery-key", {});
         say("");
         part(place, "key-state").dataset.key = answer.key;
       }),
     ),
   ]);
-  words(place, "pin-state", setup.has_pin ? "The PIN is set. You have logged in with it." : "This page runs without a PIN.");
+  words(
+    place,
+    "pin-state",
+    setup.has_pin ? tr("The PIN is set. You have logged in with it.") : tr("This page runs without a PIN."),
+  );
   const key = part(place, "key-state").dataset.key;
   const isThere = Boolean(museum?.page.recovery) && !key;
   part(place, "key-show").hidden = !isThere;
@@ -103,10 +108,10 @@ export function drawName(place, setup, museum) {
     place,
     "key-state",
     key
-      ? `Write it down, and keep it where the museum keeps its keys: ${key}`
+      ? tr("Write it down, and keep it where the museum keeps its keys: {key}", { key })
       : isThere
-        ? "The recovery key opens the settings after a repair. It is shown once."
-        : "The recovery key was shown already, or this computer has none.",
+        ? tr("The recovery key opens the settings after a repair. It is shown once.")
+        : tr("The recovery key was shown already, or this computer has none."),
   );
 }
 
@@ -115,7 +120,8 @@ function newAddresses(fields) {
   const port = location.port ? `:${location.port}` : "";
   const all = [];
   if (fields.ipv4 === "static" && fields.ipv4_address) all.push(`https://${fields.ipv4_address.split("/")[0]}${port}`);
-  if (fields.ipv6 === "static" && fields.ipv6_address) all.push(`https://[${fields.ipv6_address.split("/")[0]}]${port}`);
+  if (fields.ipv6 === "static" && fields.ipv6_address)
+    all.push(`https://[${fields.ipv6_address.split("/")[0]}]${port}`);
   return all;
 }
 
@@ -128,19 +134,19 @@ export function drawNetwork(place, setup) {
       element("p", "trial-words"),
       element("p", "trial-links"),
       buttons(
-        button("network-keep", "Keep these settings", async () => {
+        button("network-keep", tr("Keep these settings"), async () => {
           await ask("/setup/keep", { code: sessionStorage.getItem("network-code") || "" });
-          say("They are kept, and checked as a whole now.");
+          say(tr("They are kept, and checked as a whole now."));
         }),
       ),
     );
     const files = element("details", "login-files");
     files.append(
-      make("summary", "Files for the login at the switch"),
+      make("summary", tr("Files for the login at the switch")),
       fileField("network", "8021x-authority.crt", "Authority's certificate"),
-      fileField("network", "8021x-password", "Password, alone in a text file"),
-      fileField("network", "8021x-certificate.crt", "This computer's certificate"),
-      fileField("network", "8021x-key.pem", "Its key"),
+      fileField("network", "8021x-password", tr("Password, alone in a text file")),
+      fileField("network", "8021x-certificate.crt", tr("This computer's certificate")),
+      fileField("network", "8021x-key.pem", tr("Its key")),
     );
     return [trial, element("p", "trial-end"), files];
   });
@@ -151,23 +157,25 @@ export function drawNetwork(place, setup) {
   words(
     place,
     "trial-words",
-    "The new network is being tried. If you read this, this page can still be reached: confirm it within a minute, or it is taken back.",
+    tr(
+      "The new network is being tried. If you read this, this page can still be reached: confirm it within a minute, or it is taken back.",
+    ),
   );
   const links = part(place, "trial-links");
   const wanted = code ? newAddresses(setup.steps.network.fields).map((one) => `${one}/keep.html#${code}`) : [];
   if (links.dataset.wanted !== wanted.join()) {
     links.dataset.wanted = wanted.join();
     links.replaceChildren(
-      ...wanted.flatMap((href) => ["With the new address, confirm it there: ", link(href, href.split("#")[0])]),
+      ...wanted.flatMap((href) => [tr("With the new address, confirm it there: "), link(href, href.split("#")[0])]),
     );
   }
   words(
     place,
     "trial-end",
     state === "taken-back"
-      ? `The last trial was taken back: ${sentence}.`
+      ? tr("The last trial was taken back: {why}.", { why: sentence })
       : state === "kept"
-        ? "The last trial was confirmed."
+        ? tr("The last trial was confirmed.")
         : "",
   );
 }
@@ -179,7 +187,10 @@ function wallPicture(wall) {
   const svg = makeSvg("svg", {
     viewBox: `${-margin} ${-height} ${wall.length_m + 2 * margin} ${height + 0.3}`,
     role: "img",
-    "aria-label": `The wall, ${wall.length_m.toFixed(2)} m long, unrolled; ${wall.pictures.length} pictures light ${Math.round(100 * wall.lit)} % of it`,
+    "aria-label": tr("The wall, {m} m long, unrolled; the pictures light {lit} % of it", {
+      m: wall.length_m.toFixed(2),
+      lit: Math.round(100 * wall.lit),
+    }),
   });
   const add = (tag, attributes) => svg.append(makeSvg(tag, attributes));
   const text = (x, y, value) => {
@@ -195,7 +206,10 @@ function wallPicture(wall) {
     class: "wall-rect",
   });
   for (const picture of wall.pictures) {
-    add("polygon", { points: picture.points.map(([x, y]) => `${x.toFixed(3)},${(-y).toFixed(3)}`).join(" "), class: "reach" });
+    add("polygon", {
+      points: picture.points.map(([x, y]) => `${x.toFixed(3)},${(-y).toFixed(3)}`).join(" "),
+      class: "reach",
+    });
     const middle = picture.points.reduce((sum, [x]) => sum + x, 0) / Math.max(1, picture.points.length);
     text(middle, -(wall.top_m + wall.bottom_m) / 2, picture.name);
   }
@@ -218,8 +232,11 @@ export function drawWall(place, setup) {
     place,
     "wall-words",
     wall
-      ? `The projectors light ${Math.round(100 * wall.lit)} % of the wall, and ${Math.round(100 * wall.shared)} % of it twice, for the seams.`
-      : "The wall is drawn as soon as its lengths and the projectors are known.",
+      ? tr("The projectors light {lit} % of the wall, and {twice} % of it twice, for the seams.", {
+          lit: Math.round(100 * wall.lit),
+          twice: Math.round(100 * wall.shared),
+        })
+      : tr("The wall is drawn as soon as its lengths and the projectors are known."),
   );
   part(place, "wall-hints").replaceChildren(...(wall ? wall.hints : []).map((hint) => make("li", hint)));
 }
@@ -227,11 +244,11 @@ export function drawWall(place, setup) {
 // ---- Camera and its lens ----
 export function drawCameras(place, setup) {
   once(place, "cameras", () => [
-    fileField("cameras", "camera.json", "Its lens file, camera.json"),
-    make("p", "It is made from pictures of the board; without it the calibration begins with an estimate.", "note"),
+    fileField("cameras", "camera.json", tr("Its lens file, camera.json")),
+    make("p", tr("It is made from pictures of the board; without it the calibration begins with an estimate."), "note"),
     buttons(
-      link("/setup/board.pdf", "The board, to print (PDF)", true),
-      link("/setup/wand.pdf", "A wand, to print and fold (PDF)", true),
+      link("/setup/board.pdf", tr("The board, to print (PDF)"), true),
+      link("/setup/wand.pdf", tr("A wand, to print and fold (PDF)"), true),
     ),
   ]);
   showFiles(place, setup.steps.cameras);
@@ -244,9 +261,9 @@ export function drawCalibration(place, setup, museum) {
   once(place, "calibration", () => {
     const bar = element("progress", "calibration-progress");
     bar.max = 1;
-    bar.setAttribute("aria-label", "Progress of the calibration");
+    bar.setAttribute("aria-label", tr("Progress of the calibration"));
     const image = element("img", "calibration-picture");
-    image.alt = "The picture of the calibration camera";
+    image.alt = tr("The picture of the calibration camera");
     const question = element("div", "calibration-question");
     question.className = "field";
     const label = element("label", "calibration-asked");
@@ -258,7 +275,7 @@ export function drawCalibration(place, setup, museum) {
       label,
       input,
       buttons(
-        button("calibration-reply", "Done", async () => {
+        button("calibration-reply", tr("Done"), async () => {
           await ask("/calibration", { do: "answer", text: input.value });
           input.value = "";
         }),
@@ -266,9 +283,9 @@ export function drawCalibration(place, setup, museum) {
     );
     return [
       buttons(
-        button("calibration-start", "Measure the wall", () => ask("/calibration", { do: "start" })),
-        button("calibration-resume", "Resume", () => ask("/calibration", { do: "start", resume: true })),
-        button("calibration-cancel", "Cancel", () => ask("/calibration", { do: "cancel" })),
+        button("calibration-start", tr("Measure the wall"), () => ask("/calibration", { do: "start" })),
+        button("calibration-resume", tr("Resume"), () => ask("/calibration", { do: "start", resume: true })),
+        button("calibration-cancel", tr("Cancel"), () => ask("/calibration", { do: "cancel" })),
       ),
       element("p", "calibration-words"),
       bar,
@@ -291,13 +308,13 @@ export function drawCalibration(place, setup, museum) {
     place,
     "calibration-words",
     !run
-      ? "The calibrator is not watched by this page."
+      ? tr("The calibrator is not watched by this page.")
       : state === "running"
         ? `${Math.round(100 * run.fraction)} %: ${run.step}`
         : state === "failed"
-          ? `It failed: ${run.error}`
+          ? tr("It failed: {why}", { why: run.error })
           : state === "done"
-            ? `Measured on ${run.date}.`
+            ? tr("Measured on {date}.", run)
             : "",
   );
   const image = part(place, "calibration-picture");
@@ -306,7 +323,7 @@ export function drawCalibration(place, setup, museum) {
   part(place, "calibration-remarks").replaceChildren(...(run?.remarks || []).map((remark) => make("li", remark)));
   const report = part(place, "calibration-report");
   if (setup.has_calibration && report.children.length === 0) {
-    report.append(link("/setup/report.html", "The report, with photographs of each seam"));
+    report.append(link("/setup/report.html", tr("The report, with photographs of each seam")));
     report.firstChild.target = "_blank";
   }
 }
@@ -314,13 +331,13 @@ export function drawCalibration(place, setup, museum) {
 // ---- Farm ----
 export function drawFarm(place, setup) {
   once(place, "farm", () => [
-    make("h3", "The three files of this museum's bundle"),
+    make("h3", tr("The three files of this museum's bundle")),
     fileField("farm", "tls/authority.crt", "authority.crt"),
     fileField("farm", "tls/certificate.crt", "certificate.crt"),
     fileField("farm", "tls/key.pem", "key.pem"),
-    make("p", "Or bring them with all settings on a USB stick.", "note"),
+    make("p", tr("Or bring them with all settings on a USB stick."), "note"),
     buttons(
-      button("farm-test", "Test the way to the farm", async () => {
+      button("farm-test", tr("Test the way to the farm"), async () => {
         const answer = await ask("/network-test", {}, 60);
         part(place, "farm-result").replaceChildren(
           ...answer.checks.map((check) => {
@@ -342,12 +359,15 @@ export function drawFarm(place, setup) {
 export function drawDone(place, setup, museum) {
   once(place, "done", () => [
     Object.assign(element("ul", "done-checks"), { className: "checks" }),
-    buttons(link("/setup/sheet.pdf", "The sheet for the office (PDF)", true), link("/", "To the operator's page")),
+    buttons(
+      link("/setup/sheet.pdf", tr("The sheet for the office (PDF)"), true),
+      link("/", tr("To the operator's page")),
+    ),
   ]);
   const checks = (museum?.checks || []).filter((check) => check.level !== "ok");
   part(place, "done-checks").replaceChildren(
     ...(checks.length > 0
       ? checks.map((check) => make("li", `${check.title}: ${check.sentence} ${check.remedy}`, check.level))
-      : [make("li", `All ${museum?.checks.length || 0} checks of the operator's page are well.`, "ok")]),
+      : [make("li", tr("All checks of the operator's page are well."), "ok")]),
   );
 }

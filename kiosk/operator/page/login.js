@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { byId, get, make, pause, post } from "./helpers.js";
+import { tr } from "./texts.js";
 
 const pin = byId("pin");
 const note = byId("note");
@@ -25,11 +26,12 @@ byId("form").addEventListener("submit", async (event) => {
       return;
     }
     const why = (await answer.json()).error;
-    note.textContent = why.charAt(0).toUpperCase() + why.slice(1) + (why.endsWith(".") ? "" : ".");
+    note.textContent = why.charAt(0).toUpperCase() + why.slice(1) + (/[.。]$/.test(why) ? "" : ".");
     watchTheDoor();
   } catch {
-    note.textContent =
-      "The operator page does not answer. Check that this phone or computer is on the museum's network.";
+    note.textContent = tr(
+      "The operator page does not answer. Check that this phone or computer is on the museum's network.",
+    );
   }
   button.disabled = false;
   pin.select();
@@ -41,7 +43,7 @@ byId("first").addEventListener("submit", async (event) => {
   const chosen = byId("first-pin").value;
   const firstNote = byId("first-note");
   if (chosen !== byId("first-again").value) {
-    firstNote.textContent = "The two are not the same.";
+    firstNote.textContent = tr("The two are not the same.");
     return;
   }
   const submit = byId("first").querySelector("button");
@@ -49,7 +51,7 @@ byId("first").addEventListener("submit", async (event) => {
   try {
     const answer = await post("/first-pin", { pin: chosen, wall: fromWall.get("wall") || "" }, 15000);
     if (!answer.ok) throw new Error((await answer.json()).error);
-    firstNote.textContent = "It is checked with all settings; that takes some seconds.";
+    firstNote.textContent = tr("It is checked with all settings; that takes some seconds.");
     for (let i = 0; i < 240; ++i) {
       await pause(500);
       const login = await post("/login", { pin: chosen, wall: fromWall.get("wall") || "" }, 15000);
@@ -58,9 +60,9 @@ byId("first").addEventListener("submit", async (event) => {
         return;
       }
     }
-    throw new Error("the PIN did not come into use; the reason is above");
+    throw new Error(tr("the PIN did not come into use; the reason is above"));
   } catch (problem) {
-    firstNote.textContent = `That did not work: ${problem.message}.`;
+    firstNote.textContent = tr("That did not work: {why}", { why: problem.message });
   }
   submit.disabled = false;
 });

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The visit: pictures, numbers, every part, steering.
 import { byId, duration, fixed, get, isNumber, large, make, makeSvg, pause, post, repeat } from "./helpers.js";
+import { ntr, tr } from "./texts.js";
 
-const milliseconds = (x) => (!isNumber(x) ? "–" : x < 10 ? x.toFixed(1) : Math.round(x).toString());
-const bytes = (x) => (!isNumber(x) ? "–" : x >= 1e6 ? (x / 1e6).toFixed(1) + " MB" : Math.round(x / 1e3) + " kB");
+const milliseconds = (x) => (!isNumber(x) ? "–" : fixed(x, x < 10 ? 1 : 0));
+const bytes = (x) => (!isNumber(x) ? "–" : x >= 1e6 ? fixed(x / 1e6, 1) + " MB" : Math.round(x / 1e3) + " kB");
 const figure = (id, number, unit) => {
   const element = byId(id);
   element.textContent = number;
@@ -54,10 +55,10 @@ class LivePicture {
     try {
       answer = await get(this.address);
     } catch {
-      throw new Error("The operator page does not answer.");
+      throw new Error(tr("The operator page does not answer."));
     }
-    if (answer.status === 404) throw new Error("There is no picture yet.");
-    if (!answer.ok) throw new Error("The part that makes this picture does not answer.");
+    if (answer.status === 404) throw new Error(tr("There is no picture yet."));
+    if (!answer.ok) throw new Error(tr("The part that makes this picture does not answer."));
     const address = URL.createObjectURL(await answer.blob());
     const old = this.image.src;
     this.image.src = address;
@@ -83,10 +84,11 @@ function showProjector(process, name) {
   const figureElement = make("figure");
   const frame = make("div", undefined, "frame");
   const image = make("img");
-  image.alt = `What the projector “${name.slice("projector/".length)}” shows`;
+  const words = { name: name.slice("projector/".length) };
+  image.alt = tr("What the projector “{name}” shows", words);
   image.hidden = true;
   frame.append(image, make("p", "", "missing"));
-  figureElement.append(frame, make("figcaption", "Projector “" + name.slice("projector/".length) + "”"));
+  figureElement.append(frame, make("figcaption", tr("Projector “{name}”", words)));
   byId("projectors").append(figureElement);
   const picture = new LivePicture(figureElement);
   picture.show(process, name);
@@ -102,9 +104,9 @@ function findPictures(processes) {
     return at < 0 ? order.length : at;
   };
   const found = {
-    wall: "The simulated room is not watched or has no picture of the wall yet.",
-    panorama: "The display has no picture yet.",
-    camera: "The tracker has no picture yet.",
+    wall: tr("The simulated room is not watched or has no picture of the wall yet."),
+    panorama: tr("The display has no picture yet."),
+    camera: tr("The tracker has no picture yet."),
   };
   for (const process of processes) {
     for (const name of process.pictures.slice().sort((a, b) => rank(a) - rank(b))) {
@@ -125,22 +127,22 @@ export const projectorNames = () =>
 
 // ---- Shutter to photon: one row per step, each beginning where the previous one ended ----
 const stageNames = {
-  capture: "capture",
-  detect: "detect the tag",
-  pose: "pose",
-  steer: "steer",
-  farm_round_trip: "farm and network",
-  farm: "farm",
-  queue: "wait for a turn",
-  plan: "plan",
-  fan_out: "fan out",
-  render: "ray trace",
-  encode: "encode",
-  decode: "decode",
-  wait: "wait for refresh",
-  draw: "draw",
-  heading_to_photon: "heading to photon",
-  shutter_to_photon: "shutter to photon",
+  capture: tr("capture"),
+  detect: tr("detect the tag"),
+  pose: tr("pose"),
+  steer: tr("steer"),
+  farm_round_trip: tr("farm and network"),
+  farm: tr("farm"),
+  queue: tr("wait for a turn"),
+  plan: tr("plan"),
+  fan_out: tr("fan out"),
+  render: tr("ray trace"),
+  encode: tr("encode"),
+  decode: tr("decode"),
+  wait: tr("wait for refresh"),
+  draw: tr("draw"),
+  heading_to_photon: tr("heading to photon"),
+  shutter_to_photon: tr("shutter to photon"),
 };
 
 function flowRows(flow) {
@@ -173,7 +175,10 @@ function bar(row, whole) {
     viewBox: "0 0 1000 10",
     preserveAspectRatio: "none",
     role: "img",
-    "aria-label": `${milliseconds(row.stage.p50_ms)} ms, 95 of 100 within ${milliseconds(row.stage.p95_ms)} ms`,
+    "aria-label": tr("{p50} ms, 95 of 100 within {p95} ms", {
+      p50: milliseconds(row.stage.p50_ms),
+      p95: milliseconds(row.stage.p95_ms),
+    }),
   });
   const colour = `var(--${row.stage.where})`;
   for (const [ms, opacity] of [
@@ -210,7 +215,7 @@ function showFlow(flow) {
     const line = make("tr", undefined, row.stage.where === "whole" ? "whole" : "");
     const name = make("th", stageNames[row.stage.name] || row.stage.name, ["", "inside", "inside2"][row.depth]);
     name.scope = "row";
-    name.title = `${row.stage.where}: ${row.stage.count} measured`;
+    name.title = ntr("{n} measurement", "{n} measurements", row.stage.count);
     const barCell = make("td", undefined, "bar");
     barCell.append(bar(row, whole));
     line.append(
@@ -228,14 +233,20 @@ function showFlow(flow) {
 
 // ---- Every part ----
 const partNames = {
-  tour: "Tour",
-  display: "Display",
-  tracker: "Tracker",
-  calibrator: "Calibrator",
-  hand: "Hand controls",
-  projectors: "Projectors' power",
-  coordinator: "Farm",
-  "simulated-room": "Simulated room",
+  tour: tr("Tour"),
+  display: tr("Display"),
+  tracker: tr("Tracker"),
+  calibrator: tr("Calibrator"),
+  hand: tr("Hand controls"),
+  projectors: tr("Projectors' power"),
+  coordinator: tr("Farm"),
+  "simulated-room": tr("Simulated room"),
+};
+const steeredBy = {
+  tag: tr("the wand"),
+  keys: tr("keys"),
+  guide: tr("the guide"),
+  nobody: tr("nobody"),
 };
 const openParts = new Set();
 
@@ -247,12 +258,21 @@ function showParts(processes) {
       heading.append(
         make(
           "b",
-          process.away ? (process.asked ? "no answer" : "connecting") : process.healthy ? "well" : "needs attention",
+          process.away
+            ? process.asked
+              ? tr("no answer")
+              : tr("connecting")
+            : process.healthy
+              ? tr("well")
+              : tr("needs attention"),
         ),
       );
       item.append(heading, make("p", process.state));
-      const uptime = !process.away && isNumber(process.uptime_s) ? `, up ${duration(process.uptime_s)}` : "";
-      item.append(make("p", process.address + uptime, "where"));
+      const uptime = !process.away && isNumber(process.uptime_s);
+      const where = uptime
+        ? tr("{address}, up {time}", { address: process.address, time: duration(process.uptime_s) })
+        : process.address;
+      item.append(make("p", where, "where"));
       const names = Object.keys(process.gauges).filter((name) => !name.startsWith("dropped: "));
       if (names.length > 0) {
         const details = make("details");
@@ -269,7 +289,7 @@ function showParts(processes) {
             make("dd", isNumber(value) ? String(Math.round(value * 1000) / 1000) : "–"),
           );
         }
-        details.append(make("summary", `${names.length} numbers`), list);
+        details.append(make("summary", ntr("{n} number", "{n} numbers", names.length)), list);
         item.append(details);
       }
       return item;
@@ -299,12 +319,12 @@ function showVisit(status) {
     ? `${partNames[main.name] || main.name}: ${main.state}`
     : tour
       ? tour.state
-      : "All watched parts are well.";
+      : tr("All watched parts are well.");
   showFlow(status.flow);
   if (!tour) return;
   const gauges = tour.away ? {} : tour.gauges;
   const photon = status.flow.find((stage) => stage.name === "shutter_to_photon");
-  byId("title").textContent = tour.facts.title || "No visit yet";
+  byId("title").textContent = tour.facts.title || tr("No visit yet");
   document.title = tour.facts.title ? `${tour.facts.title} · Cyclorama` : "Cyclorama";
   byId("credits").textContent = tour.facts.credits || "";
   figure("fps", fixed(gauges.frames_per_second, 1));
@@ -318,7 +338,7 @@ function showVisit(status) {
     "%",
   );
   figure("triangles", large(Number(tour.facts.triangles || NaN)));
-  byId("steered-by").textContent = tour.away ? "–" : tour.facts.steered_by || "–";
+  byId("steered-by").textContent = tour.away || !tour.facts.steered_by ? "–" : (steeredBy[tour.facts.steered_by] ?? tour.facts.steered_by);
   byId("heading").textContent = isNumber(gauges.heading_deg) ? `${fixed(gauges.heading_deg, 0)}°` : "–";
   byId("position").textContent = isNumber(gauges.eye_x_m)
     ? `${fixed(gauges.eye_x_m, 2)}, ${fixed(gauges.eye_z_m, 2)} m`
@@ -338,8 +358,9 @@ repeat(500, async () => {
   } catch {
     const state = byId("state");
     state.classList.add("wrong");
-    state.textContent =
-      "The operator page does not answer. Check that cyclorama-operator runs; this page tries again by itself.";
+    state.textContent = tr(
+      "The operator page does not answer. Check that cyclorama-operator runs; this page tries again by itself.",
+    );
   }
 });
 
@@ -389,7 +410,7 @@ async function sendCommand() {
     note.textContent = steerNote;
   } catch (problem) {
     note.classList.add("wrong");
-    note.textContent = `The tour does not answer, so nothing moves: ${problem.message}`;
+    note.textContent = tr("The tour does not answer, so nothing moves: {why}", { why: problem.message });
   }
   isSending = false;
   if (!sendAgain) return;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Buttons that send a request to cyclorama-operator and show its result in words.
 import { byId, post } from "./helpers.js";
+import { tr } from "./texts.js";
 
 export function say(text, isWrong) {
   byId("care-note").textContent = text;
@@ -26,7 +27,7 @@ export function press(id, work) {
     try {
       await work(button);
     } catch (problem) {
-      say(`That did not work: ${problem.message}`, true);
+      say(tr("That did not work: {why}", { why: problem.message }), true);
     }
     button.disabled = false;
   });

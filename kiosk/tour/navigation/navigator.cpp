@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/geometry/panorama.h"
+#include "common/language/marked_texts.h"
 
 namespace cyclorama::tour {
 namespace {
@@ -75,15 +76,15 @@ Navigation with_command(Navigation state, const SteeringCommand& seen, TimePoint
 const char* to_text(SteeringSource steering_source) {
   switch (steering_source) {
     case SteeringSource::kKeys:
-      return "keys";
+      return translatable("keys");
     case SteeringSource::kTag:
-      return "tag";
+      return translatable("tag");
     case SteeringSource::kGuide:
-      return "guide";
+      return translatable("guide");
     case SteeringSource::kNobody:
       break;
   }
-  return "nobody";
+  return translatable("nobody");
 }
 
 std::optional<Duration> turn_left(const Navigation& state, const NavigationSettings& settings, TimePoint now) {

@@ -34,6 +34,34 @@ Eigen::Vector2d rounded(const Eigen::Vector2d& position, const WalkableArea& are
 
 Result<std::string> TourFolder::read() const { return read_text_file(file(), kMaxTourFileBytes); }
 
+Status TourFolder::read_captions(TourPlan* plan) const {
+  std::size_t bytes = 0;
+  for (PlannedStop& stop : plan->stops) {
+    for (const auto& [language, file] : stop.caption_files) {
+      const std::string path = (folder_ / file).string();
+      TRY_ASSIGN(const std::string text, read_text_file(path, kMaxCueFileBytes));
+      bytes += text.size();
+      if (bytes > kMaxCaptionBytes)
+        return Error(ErrorCode::kBadData, fmt::format("{}: all captions of a tour have at most {} MiB; shorten some",
+                                                      path, kMaxCaptionBytes >> 20U));
+      TRY_ASSIGN(stop.captions[language], parse_webvtt(text, path));
+    }
+  }
+  return Done{};
+}
+
+std::vector<std::filesystem::file_time_type> TourFolder::caption_times(const TourPlan& plan) const {
+  std::vector<std::filesystem::file_time_type> times;
+  for (const PlannedStop& stop : plan.stops) {
+    for (const auto& [language, file] : stop.caption_files) {
+      std::error_code missing;
+      const auto time = std::filesystem::last_write_time(folder_ / file, missing);
+      times.push_back(missing ? std::filesystem::file_time_type() : time);
+    }
+  }
+  return times;
+}
+
 Result<std::string> TourFolder::add(PlannedStop planned, const TourPlan& otherwise, const WalkableArea& area) const {
   auto before = read();
   if (!before && before.error().code() != ErrorCode::kNotFound) return std::move(before).error();

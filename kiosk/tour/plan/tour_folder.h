@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
 #include "kiosk/tour/plan/tour_plan.h"
@@ -18,6 +19,11 @@ class TourFolder {
   [[nodiscard]] std::filesystem::path file() const { return folder_ / "tour.toml"; }
   /// Returns the text of tour.toml. Errors: those of read_text_file().
   [[nodiscard]] Result<std::string> read() const;
+  /// Reads the files of captions that the plan names. Errors: those of parse_webvtt() and of the files, and kBadData if
+  /// all of them together are larger than kMaxCaptionBytes.
+  [[nodiscard]] Status read_captions(TourPlan* plan) const;
+  /// Returns the times at which the plan's files of captions were written last; a file that is missing has none.
+  [[nodiscard]] std::vector<std::filesystem::file_time_type> caption_times(const TourPlan& plan) const;
   /// Adds a stop after the others; an empty name becomes the first free one of stop-1, stop-2 and so on. Without a
   /// tour.toml, begins with `otherwise`. Returns the name. Errors: kInvalidArgument for a name that another
   /// stop has, or an impossible name or title; those of parse_tour_plan() and of the files.
@@ -32,5 +38,6 @@ class TourFolder {
 };
 
 inline constexpr std::size_t kMaxTourFileBytes = std::size_t{1} << 20;
+inline constexpr std::size_t kMaxCaptionBytes = std::size_t{32} << 20;
 
 }  // namespace cyclorama::tour

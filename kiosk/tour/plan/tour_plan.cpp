@@ -48,6 +48,7 @@ class PlanReader {
     const bool keep = root_.flag("keep", true);
     plan_.title = read_texts(root_, "title", kMaxTitleBytes);
     read_limits(root_.table("limits"));
+    if (root_.has("captions")) read_caption_style(root_.table("captions"));
     std::vector<ConfigTable> stops = root_.tables("stop");
     if (stops.empty()) root_.refuse("stop", "is missing; a tour needs at least one [[stop]]");
     if (stops.size() > kMaxPlannedStops)
@@ -109,6 +110,40 @@ class PlanReader {
     plan_.reduced_motion = limits.flag("reduced_motion", false);
   }
 
+  void read_caption_style(ConfigTable table) {
+    CaptionStyle& style = plan_.captions.emplace();
+    style.shown = table.texts("show", std::vector{plan_.languages.front()});
+    for (const std::string& tag : style.shown) {
+      if (std::ranges::find(plan_.languages, tag) == plan_.languages.end())
+        table.refuse("show", fmt::format("has '{}', which is not among the tour's languages", printable(tag)));
+    }
+    if (style.shown.size() > kMaxShownLanguages)
+      table.refuse("show", fmt::format("has {} languages; at most {} are written at once", style.shown.size(),
+                                       kMaxShownLanguages));
+    style.letters_rad = kRadiansPerDegree / 60.0 * table.number("letters_arcmin", {20.0, 300.0}, 40.0);
+    style.width_rad = kRadiansPerDegree * table.number("width_deg", {10.0, 90.0}, 40.0);
+    style.azimuth_rad = kRadiansPerDegree * table.number("azimuth_deg", {-180.0, 180.0}, 0.0);
+    if (table.has("elevation_deg"))
+      style.elevation_rad = kRadiansPerDegree * table.number("elevation_deg", {-60.0, 85.0});
+  }
+
+  /// Reads a stop's table with the name of a file for each language.
+  Texts read_caption_files(ConfigTable& stop) {
+    Texts files;
+    if (!stop.has("captions")) return files;
+    ConfigTable table = stop.table("captions");
+    if (!plan_.captions) stop.refuse("captions", "are written nowhere; add a table [captions] above the stops");
+    for (const std::string& language : plan_.languages) {
+      if (!table.has(language)) continue;
+      std::string file = table.text(language);
+      // A name without a folder, so that a tour never reads what is not its own.
+      if (file.empty() || file.front() == '.' || file.find('/') != file.npos || printable(file, file.size()) != file)
+        table.refuse(language, fmt::format("is '{}'; name a file beside tour.toml", printable(file)));
+      files.emplace(language, std::move(file));
+    }
+    return files;
+  }
+
   void check_place(ConfigTable& table, std::string_view key, const Vector2d& position) {
     if (area_ == nullptr || area_->allows(position)) return;
     const Vector2d allowed = area_->nearest_allowed(position);
@@ -134,6 +169,7 @@ class PlanReader {
     planned.keep = table.flag("keep", true) && keep;
     planned.title = read_texts(table, "title", kMaxTitleBytes);
     planned.text = read_texts(table, "text", kMaxTextBytes);
+    planned.caption_files = read_caption_files(table);
     for (ConfigTable& lamps : table.tables("lamps")) {
       const std::string group = lamps.text("group");
       const auto level = static_cast<float>(lamps.number("level", {0.0, 4.0}));

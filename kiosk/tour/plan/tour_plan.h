@@ -14,6 +14,12 @@
 ///   turn_deg_per_s = 25
 ///   eye_height_m = 1.2                # Of a seated visitor or a child. Left out: the scene's.
 ///   reduced_motion = false            # true: soft cuts between stops instead of walks.
+///   [captions]                        # Left out: nothing is written on the wall.
+///   show = ["en"]                     # At most two at once. Left out: the first language. Empty: none at first.
+///   letters_arcmin = 40               # Height of a capital letter, from the sweet spot.
+///   width_deg = 40                    # Of the lines, at most.
+///   azimuth_deg = 0                   # Of their middle, to the right of the wall's.
+///   elevation_deg = 12                # Left out: at the wall's upper edge.
 ///   [[stop]]
 ///   name = "entrance"
 ///   position_m = [0.0, 2.5]           # (x, z) in the scene, in the walkable area.
@@ -28,6 +34,8 @@
 ///   en = "The reclining Buddha"
 ///   [stop.text]
 ///   en = "Clay on a sandstone core."
+///   [stop.captions]                   # Captions with times, from the arrival at the stop (webvtt.h).
+///   en = "buddha.en.vtt"              # Beside tour.toml.
 ///   [[stop.lamps]]                    # Groups of lamps of the scene, which fade to a level; others stay.
 ///   group = "daylight"
 ///   level = 0.2                       # 0 to 4; 1: as the scene describes them.
@@ -48,6 +56,7 @@
 
 #include "common/base/result.h"
 #include "kiosk/tour/navigation/guide.h"
+#include "kiosk/tour/plan/webvtt.h"
 
 namespace cyclorama::tour {
 
@@ -60,6 +69,18 @@ struct PlannedStop {
   Texts text;
   bool keep = true;                    ///< False also where the whole tour must not be kept.
   std::map<std::string, float> lamps;  ///< Levels of the scene's groups of lamps, by name.
+  Texts caption_files{};               ///< Names of WebVTT files in the tour's folder, by language.
+  /// Content of these files; empty until read_captions() in tour_folder.h has read them.
+  std::map<std::string, std::vector<Cue>> captions{};
+};
+
+/// The way in which a tour writes on the wall. Angles are seen from the sweet spot.
+struct CaptionStyle {
+  std::vector<std::string> shown;  ///< Languages at first; at most kMaxShownLanguages.
+  double letters_rad = 0.0;        ///< Height of a capital letter.
+  double width_rad = 0.0;          ///< Width of the lines, at most.
+  double azimuth_rad = 0.0;        ///< Direction of the middle.
+  std::optional<double> elevation_rad;
 };
 
 /// A value; `ways` and the stops' order are those of the file.
@@ -71,6 +92,7 @@ struct TourPlan {
   std::optional<double> turn_rad_per_s;
   std::optional<double> eye_height_m;
   bool reduced_motion = false;
+  std::optional<CaptionStyle> captions;  ///< Empty: nothing is written on the wall.
   std::vector<PlannedStop> stops;
   std::vector<GuideWay> ways;
 };
@@ -81,6 +103,7 @@ inline constexpr std::size_t kMaxPlannedWays = 1024;
 inline constexpr std::size_t kMaxThrough = 64;
 inline constexpr std::size_t kMaxTitleBytes = 200;
 inline constexpr std::size_t kMaxTextBytes = 4000;
+inline constexpr std::size_t kMaxShownLanguages = 2;
 
 /// `name` stands for the file in errors. With an `area`, all positions must be allowed in it. Errors: kBadData with
 /// file, line and remedy; for a stop outside the area with the nearest position that is allowed.

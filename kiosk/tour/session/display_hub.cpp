@@ -9,7 +9,8 @@
 #include "common/geometry/guard_band.h"
 
 namespace cyclorama::tour {
-Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string name, const Projection& wanted) {
+Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string name, const Projection& wanted,
+                        const PixelDensity& density) {
   const std::lock_guard lock(mutex_);
   if (closed_) return *closed_;
   if (members_.size() >= kMaxDisplays)
@@ -28,9 +29,10 @@ Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string na
                              "all displays of a room the same [wall]",
                              member.name));
   }
-  members_.push_back({link, std::move(name), wanted});
+  members_.push_back({link, std::move(name), wanted, density});
   // The other displays show this heading already, or will within a few refreshes.
   link->send_heading(heading_, nullptr);
+  if (caption_ != nullptr) link->send_caption(caption_);
   return Done{};
 }
 
@@ -50,6 +52,12 @@ void DisplayHub::send_heading(const wire::Heading& heading, const wire::ShowAt* 
   for (const Member& member : members_) member.link->send_heading(heading, show_at);
 }
 
+void DisplayHub::send_caption(const SharedShowMessage& caption) {
+  const std::lock_guard lock(mutex_);
+  caption_ = caption;
+  for (const Member& member : members_) member.link->send_caption(caption);
+}
+
 std::size_t DisplayHub::send(const SharedShowMessage& message) {
   const std::lock_guard lock(mutex_);
   std::size_t lost = 0;
@@ -65,6 +73,19 @@ std::optional<Projection> DisplayHub::wanted() const {
   Projection all = members_.front().wanted;
   // join() guarantees that the shapes have a common cover.
   for (const Member& member : members_) all.shape = *covering(all.shape, member.wanted.shape);
+  return all;
+}
+
+PixelDensity DisplayHub::density() const {
+  const std::lock_guard lock(mutex_);
+  PixelDensity all;
+  for (const Member& member : members_) {
+    const PixelDensity& one = member.density;
+    if (one.min_px_per_rad <= 0.0) continue;
+    all.min_px_per_rad =
+        all.min_px_per_rad <= 0.0 ? one.min_px_per_rad : std::min(all.min_px_per_rad, one.min_px_per_rad);
+    all.max_px_per_rad = std::max(all.max_px_per_rad, one.max_px_per_rad);
+  }
   return all;
 }
 

@@ -43,7 +43,9 @@ SharedShowMessage Outbox::take() {
     if (shown_) *message->mutable_heading()->mutable_shown() = *std::exchange(shown_, std::nullopt);
     return message;
   }
-  if (shown_ || frames_.empty()) return nullptr;
+  if (shown_) return nullptr;
+  if (caption_ != nullptr) return std::exchange(caption_, nullptr);
+  if (frames_.empty()) return nullptr;
   SharedShowMessage message = std::move(frames_.front());
   frames_.pop_front();
   bytes_ -= bytes_of(*message);

@@ -20,7 +20,8 @@ using SharedShowMessage = std::shared_ptr<const wire::ShowMessage>;
 /// 1. A frame is sent as its begin, all its tiles and its end, or as the first of these messages and an end with
 ///    `complete` false.
 /// 2. At most the rest of one frame that is being sent, and the newest frame, wait.
-/// 3. A heading overtakes tiles and replaces an unsent older heading. The first message of a stream is a heading.
+/// 3. A heading overtakes tiles and replaces an unsent older heading. The first message of a stream is a heading. So
+///    does a caption, which waits only for headings.
 /// 4. A display that joins in the middle of a frame starts with the next one.
 ///
 /// Thread-bound; its owner locks.
@@ -31,6 +32,8 @@ class Outbox {
 
   /// `show_at` is null to show the heading at once.
   void put_heading(const wire::Heading& heading, const wire::ShowAt* show_at = nullptr);
+  /// Queues a caption. It replaces an unsent older one. Precondition: the message has a caption.
+  void put_caption(const SharedShowMessage& caption) { caption_ = caption; }
   /// Queues an answer ahead of everything else; it replaces an answer that still waits.
   void put_answer(const wire::ClockReply& answer) { answer_ = answer; }
   /// Queues a begin, tile or end. Returns the number of the frame that this display loses as a result, if it loses one.
@@ -52,6 +55,7 @@ class Outbox {
   std::optional<wire::Panorama> shown_;  ///< Set until the first heading is sent.
   std::optional<wire::ShowMessage> heading_;
   std::optional<wire::ClockReply> answer_;
+  SharedShowMessage caption_;  ///< Null: none waits.
   std::deque<SharedShowMessage> frames_;
   std::size_t bytes_ = 0;
   std::optional<std::uint64_t> accepting_;  ///< Frame that the farm is sending, if this display takes it.

@@ -27,7 +27,7 @@ class StopPictures {
  public:
   struct Wanted {
     std::string stop;
-    wire::View view;          ///< Without number.
+    wire::View view;          ///< Its number is not set.
     std::uint64_t scene = 0;  ///< Checksum of the scene's description.
     friend bool operator==(const Wanted& a, const Wanted& b) { return a.key() == b.key(); }
     /// Name of the file: another view of the stop, or another scene, has another one.

@@ -6,8 +6,8 @@
 
 namespace cyclorama::tour {
 
-/// Requests about the tour's stops and the scene's lamps; museum.proto states their errors. Called on gRPC's threads, so implementations are
-/// thread-safe; they may read and write the tour's file, but wait for nobody.
+/// Requests about the tour's stops, the scene's lamps and the wall's captions; museum.proto states their errors. Called
+/// on gRPC's threads, so implementations are thread-safe; they may read and write the tour's file, but wait for nobody.
 class StopRequests {
  public:
   virtual ~StopRequests() = default;
@@ -17,6 +17,7 @@ class StopRequests {
   virtual Result<wire::UndoStopReply> undo_stop() = 0;
   virtual Result<wire::SetLampsReply> set_lamps(const wire::SetLampsRequest& request) = 0;
   virtual Result<wire::FetchPicturesReply> fetch_pictures() = 0;
+  virtual Result<wire::SetCaptionsReply> set_captions(const wire::SetCaptionsRequest& request) = 0;
 
  protected:
   StopRequests() = default;

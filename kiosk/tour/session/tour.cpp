@@ -63,7 +63,12 @@ Tour::Tour(TourSettings settings, InspectionService* inspection)
       farm_lost_at_(SteadyClock().now()),
       record_(settings_.record ? record_head(settings_.navigation) : std::string()),
       pacer_(settings_.picture.frame_budget_ms > 0.0),
-      cuts_(static_cast<std::uint64_t>(to_nanoseconds(farm_lost_at_))) {}
+      cuts_(static_cast<std::uint64_t>(to_nanoseconds(farm_lost_at_))),
+      captions_([this](wire::Caption caption) {
+        auto message = std::make_shared<wire::ShowMessage>();
+        *message->mutable_caption() = std::move(caption);
+        hub_.send_caption(message);
+      }) {}
 
 Tour::~Tour() { stop(); }
 
@@ -75,6 +80,7 @@ void Tour::stop() {
   wake();
   if (walker_.joinable()) walker_.join();
   if (farm_ != nullptr) farm_->stop();
+  captions_.stop();
   hub_.close(Error(ErrorCode::kUnavailable, "the tour stops"));
 }
 
@@ -94,6 +100,7 @@ void Tour::walk() {
     if (visit_) change(Tick{}, now);
     keep_visiting(now);
     tend_lamps(now);
+    tend_captions(now);
     send_heading(now);
     request_frame(now);
     if (now - shown_at_ >= kRestingTick) show_state(now);
@@ -193,6 +200,12 @@ void Tour::on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) {
   const TimePoint now = SteadyClock().now();
   {
     const std::lock_guard lock(mutex_);
+    if (pose.back()) {
+      // One turn of the wand chooses one language, however long its back is seen.
+      constexpr Duration kAnotherTurn = std::chrono::milliseconds(700);
+      if (!back_seen_at_ || now - *back_seen_at_ > kAnotherTurn) choose_next_language();
+      back_seen_at_ = now;
+    }
     const auto before = walk_.navigation.tag_seen_at;
     change(pose_seen(tracker, pose), now);
     // The pose is old, has no tag, or belongs to a tracker that does not steer.
@@ -282,7 +295,7 @@ void Tour::on_opened(const wire::SceneDescription& scene) {
     open(scene, SteadyClock().now());
     farm_away_.reset();
     if (is_held) {
-      // The displays fade from the kept picture to the live one. A view from before the loss is answered first, perhaps.
+      // The displays fade from the kept picture to the live one. A view from before the loss may be answered first.
       begin_cut();
       first_live_ = first_after_cut_;
     }

@@ -14,6 +14,7 @@
 
 #include "common/base/clock.h"
 #include "common/wire/inspection_service.h"
+#include "kiosk/tour/caption/caption_writer.h"
 #include "kiosk/tour/navigation/visit_walk.h"
 #include "kiosk/tour/plan/tour_folder.h"
 #include "kiosk/tour/plan/tour_plan.h"
@@ -83,6 +84,7 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   Result<wire::UndoStopReply> undo_stop() override;
   Result<wire::SetLampsReply> set_lamps(const wire::SetLampsRequest& request) override;
   Result<wire::FetchPicturesReply> fetch_pictures() override;
+  Result<wire::SetCaptionsReply> set_captions(const wire::SetCaptionsRequest& request) override;
 
   void on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) override;
   void on_tracker_joined(std::uint64_t tracker) override;
@@ -133,7 +135,8 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   void open(const wire::SceneDescription& scene, TimePoint now);
   /// Applies the tour's file, or the scene's own stops, to the present scene.
   void apply_plan(TimePoint now);
-  [[nodiscard]] Result<TourPlan> plan_of(const std::string& text) const;
+  /// Reads the files of captions, or takes those of `earlier`, a plan that was read from the same text.
+  [[nodiscard]] Result<TourPlan> plan_of(const std::string& text, const TourPlan* earlier) const;
   /// Takes the visitor to a stop. Precondition: can_go_to().
   void go_to(std::size_t stop, TimePoint now);
   void begin_cut();
@@ -149,6 +152,17 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   void tend_pictures(TimePoint now);
   [[nodiscard]] wire::View view_of(const GuideStop& stop, const Projection& wanted) const;
   void show_tour(TimePoint now);
+
+  // In tour_captions.cpp; all require the lock:
+
+  /// Begins with the languages of the present tour.
+  void open_captions();
+  /// Writes on the wall what belongs to the stop where the visitor stands, if anything has changed.
+  void tend_captions(TimePoint now);
+  [[nodiscard]] std::optional<CaptionScript> caption_script() const;
+  /// Learns which wall the displays have, and reports on the captions.
+  void show_captions();
+  void choose_next_language();
 
   const TourSettings settings_;
   InspectionService& inspection_;
@@ -186,15 +200,25 @@ class Tour final : public TourEvents, public StopRequests, private client::FarmL
   Site scene_site_;                       ///< The scene without a curator's tour.
   std::optional<std::string> plan_text_;  ///< The tour's file; empty: there is none.
   std::optional<std::string> accepted_text_;  ///< The newest text that was a tour of the scene.
+  TourPlan accepted_;                         ///< The tour that it was.
   std::optional<TourPlan> plan_;              ///< Empty: the stops are the scene's own.
   std::string plan_problem_;
   std::optional<Projection> wanted_;  ///< Picture that the displays needed last.
   bool are_pictures_told_ = false;    ///< `pictures_` has the present stops and wanted_.
   bool is_fetch_requested_ = false;
   LampFade lamps_;
-  std::optional<std::size_t> lamps_of_stop_;  ///< Stop whose lamps were set last.
-  std::optional<std::size_t> kept_shown_;     ///< Stop whose kept picture the displays show.
-  std::unique_ptr<StopPictures> pictures_;    ///< Null: no folder is set.
+  std::optional<std::size_t> lamps_of_stop_;                    ///< Stop whose lamps were set last.
+  std::optional<std::size_t> kept_shown_;                       ///< Stop whose kept picture the displays show.
+  std::unique_ptr<StopPictures> pictures_;                      ///< Null: no folder is set.
+  std::vector<std::filesystem::file_time_type> caption_times_;  ///< Times of the files that the newest tour names.
+  TourPlan newest_plan_;                        ///< Names these files; empty unless plan_text_ could be read.
+  std::vector<std::string> caption_languages_;  ///< Those that are written.
+  /// Stop where the visitor has arrived and not left, and when that was.
+  std::optional<std::pair<std::size_t, TimePoint>> captions_of_stop_;
+  std::optional<CaptionWall> caption_wall_;  ///< Nothing before the first display.
+  bool are_captions_told_ = true;            ///< `captions_` has the present script.
+  std::optional<TimePoint> back_seen_at_;    ///< Last time at which the wand's back was seen.
+  CaptionWriter captions_;
 
   std::unique_ptr<client::FarmClient> farm_;
   std::thread walker_;

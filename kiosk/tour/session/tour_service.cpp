@@ -23,6 +23,15 @@ SharedShowMessage stamped(const wire::ClockReply& answer) {
   return message;
 }
 
+/// Returns nothing known for numbers that no projector has.
+PixelDensity density_of(const wire::DisplayHello& hello) {
+  constexpr double kMax = 1e5;
+  const double min = hello.min_px_per_rad();
+  const double max = hello.max_px_per_rad();
+  if (!(min >= 1.0 && min <= max && max <= kMax)) return {};
+  return {min, max};
+}
+
 /// A Show stream. Owns itself until gRPC is done with it; the hub shares it while the display is a member.
 ///
 ///   created ──hello──► member of the hub ──(cancelled, half-closed, wrong message, closed)──► finished
@@ -53,6 +62,12 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
     const auto lost = outbox_->put(message);
     write_next();
     return lost;
+  }
+  void send_caption(const SharedShowMessage& caption) override {
+    const std::lock_guard lock(mutex_);
+    if (!outbox_) return;
+    outbox_->put_caption(caption);
+    write_next();
   }
   void close(const Error& reason) override { finish(to_grpc(reason)); }
 
@@ -114,7 +129,7 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
       if (finished_) return grpc::Status::OK;
       outbox_.emplace(hello.wanted());
     }
-    if (const Status joined = displays_.join(self_, printable(hello.name()), *wanted); !joined) {
+    if (const Status joined = displays_.join(self_, printable(hello.name()), *wanted, density_of(hello)); !joined) {
       return to_grpc(joined.error());
     }
     member_ = true;
@@ -237,6 +252,12 @@ grpc::ServerUnaryReactor* TourService::FetchPictures(grpc::CallbackServerContext
                                                      const wire::FetchPicturesRequest*,
                                                      wire::FetchPicturesReply* reply) {
   return answered(context, stops_.fetch_pictures(), reply);
+}
+
+grpc::ServerUnaryReactor* TourService::SetCaptions(grpc::CallbackServerContext* context,
+                                                   const wire::SetCaptionsRequest* request,
+                                                   wire::SetCaptionsReply* reply) {
+  return answered(context, stops_.set_captions(*request), reply);
 }
 
 }  // namespace cyclorama::tour

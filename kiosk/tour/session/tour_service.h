@@ -38,6 +38,8 @@ class TourService final : public wire::Tour::CallbackService {
   grpc::ServerUnaryReactor* FetchPictures(grpc::CallbackServerContext* context,
                                           const wire::FetchPicturesRequest* request,
                                           wire::FetchPicturesReply* reply) override;
+  grpc::ServerUnaryReactor* SetCaptions(grpc::CallbackServerContext* context, const wire::SetCaptionsRequest* request,
+                                        wire::SetCaptionsReply* reply) override;
 
   DisplayHub& displays_;
   TourEvents& events_;

@@ -7,6 +7,7 @@
 
 #include "common/base/text.h"
 #include "common/geometry/panorama.h"
+#include "common/language/marked_texts.h"
 #include "kiosk/tour/session/tour.h"
 
 namespace cyclorama::tour {
@@ -40,17 +41,22 @@ std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
     return fmt::format("The farm has not answered a view for {:.0f} s. See the state of the coordinator and its nodes.",
                        to_seconds(now - *asked_at));
   }
-  *ret_healthy = visit_->warning.empty() && plan_problem_.empty();
+  const std::string no_captions = captions_.trouble();
+  *ret_healthy = visit_->warning.empty() && plan_problem_.empty() && no_captions.empty();
   if (!visit_->warning.empty()) return visit_->warning;
   if (!plan_problem_.empty()) return "The tour of before stays: " + plan_problem_;
-  const char* const hint = trackers_.empty() ? " No tracker is connected, so only keys steer." : "";
+  if (!no_captions.empty()) return fmt::format(translatable("Nothing can be written on the wall: {}."), no_captions);
   const std::string picture =
-      log_.refinement().value_or(fmt::format("{:.1f} frames a second", log_.frames_per_second(now)));
+      log_.refinement().value_or(fmt::format(translatable("{:.1f} frames a second"), log_.frames_per_second(now)));
   const auto synchronised_share = displays > 1 ? roster_.synchronised_share() : std::nullopt;
-  const std::string step =
-      synchronised_share ? fmt::format(" synchronised ({:.2f} %)", 100.0 * *synchronised_share) : "";
-  return fmt::format("Visiting '{}', {}, {} display{}{}, steered by {}.{}", printable(visit_->scene.title()), picture,
-                     displays, displays == 1 ? "" : "s", step, to_text(walk_.navigation.steering_source), hint);
+  std::string sentence = fmt::format(
+      fmt::runtime(plural("Visiting '{}', {}, {} display, steered by {}.",
+                          "Visiting '{}', {}, {} displays, steered by {}.", static_cast<long long>(displays))),
+      printable(visit_->scene.title()), picture, displays, to_text(walk_.navigation.steering_source));
+  if (synchronised_share)
+    sentence += fmt::format(" The displays are synchronised ({:.2f} %).", 100.0 * *synchronised_share);
+  if (trackers_.empty()) sentence += " No tracker is connected, so only keys steer.";
+  return sentence;
 }
 
 void Tour::show_state(TimePoint now) {

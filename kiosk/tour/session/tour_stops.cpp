@@ -66,9 +66,12 @@ void Tour::open(const wire::SceneDescription& scene, TimePoint now) {
   if (is_other) begin_cut();
 }
 
-Result<TourPlan> Tour::plan_of(const std::string& text) const {
+Result<TourPlan> Tour::plan_of(const std::string& text, const TourPlan* earlier) const {
   const std::string name = TourFolder(settings_.tour_folder).file().string();
   TRY_ASSIGN(TourPlan plan, parse_tour_plan(text, name, scene_site_.area.get()));
+  if (earlier == nullptr) TRY(TourFolder(settings_.tour_folder).read_captions(&plan));
+  for (std::size_t i = 0; earlier != nullptr && i < plan.stops.size(); ++i)
+    plan.stops[i].captions = earlier->stops[i].captions;
   const auto& groups = visit_->scene.lamp_groups();
   for (const PlannedStop& stop : plan.stops) {
     for (const auto& [group, level] : stop.lamps) {
@@ -90,12 +93,14 @@ void Tour::apply_plan(TimePoint now) {
   plan_problem_.clear();
   if (!plan_text_) accepted_text_.reset();
   // The tour of before stays as long as the newest file is wrong.
-  for (const std::optional<std::string>& text : {plan_text_, accepted_text_}) {
+  for (const bool is_earlier : {false, true}) {
+    const std::optional<std::string> text = is_earlier ? accepted_text_ : plan_text_;
     if (!text || plan_) continue;
-    auto plan = plan_of(*text);
+    auto plan = plan_of(*text, is_earlier ? &accepted_ : nullptr);
     if (plan) {
       plan_ = *std::move(plan);
       accepted_text_ = *text;
+      accepted_ = *plan_;
     } else if (plan_problem_.empty()) {
       plan_problem_ = plan.error().message();
     }
@@ -105,6 +110,7 @@ void Tour::apply_plan(TimePoint now) {
   kept_shown_.reset();
   are_pictures_told_ = false;
   lamps_of_stop_.reset();
+  open_captions();
 }
 
 void Tour::read_plan() {
@@ -118,8 +124,15 @@ void Tour::read_plan() {
       return;
     }
     const std::optional<std::string> text = read ? std::optional(*std::move(read)) : std::nullopt;
-    if (text == plan_text_) return;
+    auto times = TourFolder(settings_.tour_folder).caption_times(newest_plan_);
+    if (text == plan_text_ && times == caption_times_) return;
+    if (text != plan_text_) {
+      const auto newest = parse_tour_plan(text.value_or(""), "");
+      newest_plan_ = newest ? *newest : TourPlan();
+      times = TourFolder(settings_.tour_folder).caption_times(newest_plan_);
+    }
     plan_text_ = text;
+    caption_times_ = std::move(times);
     if (visit_) apply_plan(now);
     pacer_.request_again();
   }
@@ -258,6 +271,7 @@ void Tour::tend_lamps(TimePoint now) {
 
 void Tour::show_tour(TimePoint now) {
   tend_pictures(now);
+  show_captions();
   if (!visit_ || walk_.site.stops.empty()) return;
   const auto& stops = walk_.site.stops;
   inspection_.set_gauge("stops", static_cast<double>(stops.size()));
@@ -294,6 +308,8 @@ Result<wire::StopList> Tour::list_stops() {
   if (walk_.navigation.stop) list.set_at(static_cast<std::uint32_t>(*walk_.navigation.stop));
   list.set_is_led(walk_.navigation.guide.is_led);
   list.set_problem(plan_problem_);
+  list.set_has_captions(plan_ && plan_->captions);
+  for (const std::string& language : caption_languages_) list.add_caption_languages(language);
   if (!plan_) return list;
   if (!plan_->title.empty()) list.set_tour_title(plan_->title.at(plan_->languages.front()));
   for (const std::string& language : plan_->languages) list.add_languages(language);

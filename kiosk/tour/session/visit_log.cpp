@@ -9,6 +9,7 @@
 
 #include "common/base/check.h"
 #include "common/base/text.h"
+#include "common/language/marked_texts.h"
 #include "common/wire/payload.h"
 
 namespace cyclorama::tour {
@@ -92,8 +93,9 @@ void VisitLog::add_end(const wire::FrameEnd& end, TimePoint now) {
   refinement_.reset();
   if (is_refined) {
     const bool rests = end.samples() >= end.reference_samples();
-    refinement_ = rests ? fmt::format("at rest with {} samples", end.samples())
-                        : fmt::format("refining {} of {} samples", end.samples(), end.reference_samples());
+    refinement_ = rests
+                      ? fmt::format(translatable("at rest with {} samples"), end.samples())
+                      : fmt::format(translatable("refining {} of {} samples"), end.samples(), end.reference_samples());
     inspection_.count("refined_frames");
     return;
   }

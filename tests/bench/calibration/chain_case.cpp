@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "appliance/scan/simulated_devices.h"
+#include "drivers/simulated/museum/as_sold.h"
 #include "drivers/simulated/turntable/simulated_turntable.h"
 
 namespace cyclorama {
@@ -50,7 +51,9 @@ Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::pat
   std::error_code ignored;
   std::filesystem::remove_all(folder, ignored);
   std::filesystem::create_directories(folder, ignored);
-  TRY_ASSIGN(const simulated::Preset preset, simulated::make_preset(chain.name, chain.seed, chain.museum));
+  TRY_ASSIGN(simulated::Preset preset, simulated::make_preset(chain.name, chain.seed, chain.museum));
+  for (const std::string& kind : chain.as_sold)
+    TRY(simulated::add_as_sold(simulated::RandomStream(chain.seed), kind, &preset.truth));
   TRY_ASSIGN(simulated::SimulatedMuseum museum, simulated::SimulatedMuseum::make(preset.installation, preset.truth));
   scan::SimulatedPatternScreen screen(&museum);
   ChainResult result;
@@ -74,13 +77,17 @@ Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::pat
   result.museum_s = museum.now_s() - museum_begun;
   const calibration::Calibration& calibration = result.outcome.calibration;
   result.directions = calibration.turntable.angles_rad.size();
-  result.score = museum_score(museum.truth(), [&](std::size_t p, const Eigen::Vector2d& pixel) {
-    return calibration.projectors[p].map.direction_at(pixel);
-  });
+  // Projectors that are still warming up are judged as they are at the end.
+  TRY_ASSIGN(const simulated::TrueMuseum truth,
+             simulated::TrueMuseum::make(preset.installation, preset.truth.warmed_up(museum.now_s())));
+  result.score = museum_score(
+      truth,
+      [&](std::size_t p, const Eigen::Vector2d& pixel) { return calibration.projectors[p].map.direction_at(pixel); },
+      [&](std::size_t p, const Eigen::Vector2d& pixel) { return calibration.projectors[p].map.sigma_at(pixel); });
   if (result.outcome.light) {
-    result.seams = seam_score(museum.truth(), *result.outcome.light);
-    result.seams_before = seam_score(museum.truth(), *result.outcome.light, false);
-    result.response_rms = response_rms(museum.truth(), *result.outcome.light);
+    result.seams = seam_score(truth, *result.outcome.light);
+    result.seams_before = seam_score(truth, *result.outcome.light, false);
+    result.response_rms = response_rms(truth, *result.outcome.light);
   }
   if (!chain.keeps_folder) std::filesystem::remove_all(folder, ignored);
   return result;

@@ -21,6 +21,7 @@ struct ChainCase {
   scan::ViewSettings view{};
   int directions = 0;
   bool with_wall = true;
+  std::vector<std::string> as_sold{};  ///< Kinds of simulated::add_as_sold().
   bool keeps_folder = false;  ///< Keeps the measurements in the folder.
 };
 

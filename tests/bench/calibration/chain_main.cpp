@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Complete calibrations in simulated museums: calibration_bench rooms|trade|seams [--quick]. Prints a table; rooms also
+// Complete calibrations in simulated museums: calibration_bench rooms|trade|seams|distorted [--quick]. Prints a table; rooms also
 // prints a line of JSON, which trade writes to a file.
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/bench/calibration/chain_case.h"
+#include "tests/bench/calibration/chain_distorted.h"
 #include "tests/bench/calibration/chain_seams.h"
 #include "tests/bench/calibration/chain_trade.h"
 
@@ -150,19 +151,30 @@ int main(int argc, char** argv) {
   trade->add_option("--records", kept.file, "Keeps each point, and does not run it again");
   trade->add_option("--seconds", kept.seconds, "Begins no point after so many, and ends with 75");
   trade->add_option("--only", kept.only, "Points whose knob and value begin so");
+  CLI::App* distorted =
+      app.add_subcommand("distorted", "Optics, cameras and walls as they are sold, each alone and all");
+  distorted->add_option("--json", json, "For the figures")->required();
+  distorted->add_option("--records", kept.file, "Keeps each case, and does not run it again");
+  distorted->add_option("--seconds", kept.seconds, "Begins no case after so many, and ends with 75");
+  distorted->add_option("--only", kept.only, "Cases whose name begins so");
   CLI::App* seams = app.add_subcommand("seams", "Where a kept room's steps and weights come from");
   std::string csv;
   bool keeps = false;
-  for (CLI::App* command : {rooms, trade, seams}) command->add_flag("--quick", is_quick, "Fewer of them, and smaller");
-  for (CLI::App* command : {rooms, trade})
+  for (CLI::App* command : {rooms, trade, seams, distorted})
+    command->add_flag("--quick", is_quick, "Fewer of them, and smaller");
+  for (CLI::App* command : {rooms, trade, distorted})
     command->add_option("--folder", folder, "For what is measured; emptied afterwards");
   rooms->add_flag("--keep", keeps, "FOLDER/ROOM holds the calibration afterwards");
   seams->add_option("--calibration", folder, "A room's that was kept")->required();
   seams->add_option("--csv", csv, "For all borders");
   rooms->add_option("--only", only, "That one alone");
   seams->add_option("--only", only, "The room")->required();
-  for (CLI::App* command : {rooms, seams}) command->add_option("--seed", seed, "Of the rooms");
+  for (CLI::App* command : {rooms, seams, distorted}) command->add_option("--seed", seed, "Of the rooms");
   CLI11_PARSE(app, argc, argv);
+  if (distorted->parsed()) {
+    cyclorama::Records records(kept);
+    return cyclorama::distorted(is_quick, seed, folder, json, &records);
+  }
   if (trade->parsed()) {
     cyclorama::Records records(kept);
     return cyclorama::trade(is_quick, seeds, folder, json, &records);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what a head would do with a projector's EDID, for each file that is named: the mode that it would be driven with,
-// or the sentence that states why only a common mode is left.
+// Prints what a head would do with a projector's EDID, for each file that is named: the mode that it would be driven
+// with, or the sentence that states why only a common mode is left.
 #include <fmt/format.h>
 
 #include "common/edid/edid.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets the calls of a graphics card take as long as cables and projectors make them take, in simulated time: 50 ms for a
-// probe (DDC), 3 s for a modeset. Counts the refreshes that the other heads miss meanwhile. Exits with 1 if there are any.
+// Lets the calls of a graphics card take as long as cables and projectors make them take, in simulated time: 50 ms for
+// a probe (DDC), 3 s for a modeset. Counts the refreshes that the other heads miss meanwhile. Exits with 1 if there are
+// any.
 #include <fmt/format.h>
 
 #include <cmath>

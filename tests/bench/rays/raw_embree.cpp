@@ -281,7 +281,7 @@ double replay(const std::vector<Group>& groups, Rates* rates, Trace trace) {
 Status measure(const Order& order) {
   TRY_ASSIGN(scene::Scene scene, scene::load_scene(order.package, scene::ImportLimits{}, nullptr));
   render::TraceScene traced;
-  TRY_ASSIGN(const auto accelerator, render::Accelerator::build(scene, 2, nullptr, &traced));
+  TRY_ASSIGN(const auto accelerator, render::Accelerator::build(scene, 2, nullptr, std::nullopt, &traced));
   const Eigen::Vector3d origin = render::render_origin(scene);
   if (traced.lights.empty()) return Error(ErrorCode::kInvalidArgument, "the scene has no lamps");
   const render::FlushDenormals flush;

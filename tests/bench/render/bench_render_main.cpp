@@ -14,6 +14,7 @@
 #include "tests/bench/render/light_leaks_command.h"
 #include "tests/bench/render/trade_command.h"
 #include "tests/bench/render/visit_command.h"
+#include "tests/bench/render/vitrine_command.h"
 #include "tests/bench/render/watermark_curve_command.h"
 
 int main(int argc, char** argv) {
@@ -22,10 +23,11 @@ int main(int argc, char** argv) {
   CLI::App* const options = &program.options();
   options->require_subcommand(1);
   const std::array commands{
-      add_denoise_command(options),    add_depth_command(options),    add_extremes_command(options),
-      add_features_command(options),   add_governed_command(options), add_jpeg_command(options),
-      add_light_bake_command(options), add_light_command(options),    add_light_leaks_command(options),
-      add_trade_command(options),      add_visit_command(options),    add_watermark_curve_command(options)};
+      add_denoise_command(options),        add_depth_command(options),    add_extremes_command(options),
+      add_features_command(options),       add_governed_command(options), add_jpeg_command(options),
+      add_light_bake_command(options),     add_light_command(options),    add_light_leaks_command(options),
+      add_trade_command(options),          add_visit_command(options),    add_vitrine_command(options),
+      add_watermark_curve_command(options)};
   return program.run(argc, argv, [&](const StopSignal& stop) -> Status {
     for (const tools::RenderCommand& command : commands) {
       if (command.parser->parsed()) return command.run(stop);

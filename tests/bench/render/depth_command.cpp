@@ -47,10 +47,9 @@ struct DepthBytes {
 
 class DepthMeasurement {
  public:
-  DepthMeasurement(const render::Renderer& renderer, const render::PanoramaView& view, int threads,
-                   const StopSignal& stop)
+  DepthMeasurement(const render::Renderer& renderer, const render::PanoramaView& view, const StopSignal& stop)
       : renderer_(renderer),
-        denoising_(renderer, threads),
+        denoising_(renderer),
         view_(view),
         whole_{0, 0, view.panorama.width_px, view.panorama.height_px},
         stop_(stop) {}
@@ -133,7 +132,7 @@ Status run_depth(const DepthCommandOptions& options, const StopSignal& stop) {
   if (stop.requested()) return tools::stopped();
   TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
              tools::build_with_progress(std::move(loaded.scene), options.scene));
-  DepthMeasurement measurement(*renderer, view, options.scene.threads, stop);
+  DepthMeasurement measurement(*renderer, view, stop);
   nlohmann::json points = nlohmann::json::array();
   double largest_share = 0.0;
   fmt::print("Means of {} headings, {} at quality {}\n", kDepthHeadings, options.view.size, JpegOptions{}.quality);

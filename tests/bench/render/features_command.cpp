@@ -75,7 +75,7 @@ Status features(const FeaturesOptions& options, const StopSignal& stop) {
   }
   nlohmann::json all = nlohmann::json::object();
   for (const std::string& path : options.scenes) {
-    const tools::SceneOptions scene{path, 1};
+    const tools::SceneOptions scene{path, 1, ""};
     TRY_ASSIGN(tools::LoadedScene loaded, tools::load_with_progress(scene));
     TRY_ASSIGN(render::PanoramaView view, tools::panorama_view_of(options.view, loaded.scene.info));
     view.quality = options.quality;

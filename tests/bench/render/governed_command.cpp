@@ -86,7 +86,7 @@ class GovernedLoop {
       : renderer_(renderer),
         threads_(options.scene.threads > 0 ? options.scene.threads
                                            : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()))),
-        denoising_(renderer, options.scene.threads),
+        denoising_(renderer),
         view_(std::move(view)),
         stop_(stop) {}
 

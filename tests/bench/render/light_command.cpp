@@ -57,7 +57,7 @@ struct Reference {
 class Measurement {
  public:
   Measurement(const LightOptions& options, const StopSignal& stop, render::Renderer& renderer)
-      : options_(options), stop_(stop), renderer_(renderer), denoising_(renderer, options.scene.threads) {}
+      : options_(options), stop_(stop), renderer_(renderer), denoising_(renderer) {}
 
   /// Measures all lines from all eyes. Further calls use the references of the first.
   Status run(std::vector<Line>* lines) {

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
 
 #include "renderfarm/light_baking/bake_light.h"
 #include "tests/data_sets/leak_cases.h"
@@ -17,6 +19,8 @@ struct LeakOptions {
   int height = 128;
   int reference_samples = 512;
   int threads = 0;
+  std::string only;  ///< A part of a case's name; empty: all cases.
+  std::int64_t min_rays = light_baking::BakeSettings().min_rays;
   std::string json;
 };
 
@@ -24,6 +28,7 @@ Status measure(const LeakOptions& options, const StopSignal& stop) {
   light_baking::BakeSettings settings;
   settings.pixels_per_degree = 4.0;  // Still several times that of the pictures.
   settings.check_eyes = 0;           // These pictures are its check.
+  settings.min_rays = options.min_rays;
   int cases = 0;
   int blocks = 0;
   int bad_blocks = 0;
@@ -32,6 +37,7 @@ Status measure(const LeakOptions& options, const StopSignal& stop) {
   fmt::print("{:<42}{:>8}{:>12}{:>13}{:>10}{:>12}\n", "case", "blocks", "off by > 4", "worst codes", "bias",
              "bake cpu-s");
   for (LeakCase& leak : leak_cases(options.parts)) {
+    if (std::string_view(leak.name).find(options.only) == std::string_view::npos) continue;
     TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
                render::Renderer::build(std::move(leak.scene), options.threads, nullptr));
     TRY_ASSIGN(
@@ -70,6 +76,9 @@ tools::RenderCommand add_light_leaks_command(CLI::App* program) {
   parser->add_option("--reference-samples", options->reference_samples, "Samples of the reference")
       ->capture_default_str();
   parser->add_option("--threads", options->threads, "0: all")->capture_default_str();
+  parser->add_option("--only", options->only, "Only the cases with this in their name");
+  parser->add_option("--min-rays", options->min_rays, "Lower bound of the rays of all samples together")
+      ->capture_default_str();
   parser->add_option("--json", options->json, "Also write the figures as JSON");
   return {parser, [options](const StopSignal& stop) { return measure(*options, stop); }};
 }

@@ -96,7 +96,7 @@ RadianceImage shown(const RadianceImage& pixels, const PixelRect& from, const Pi
 class FrameErrors {
  public:
   FrameErrors(const VisitOptions& options, const StopSignal& stop, const render::Renderer& renderer)
-      : options_(options), renderer_(renderer), denoising_(renderer, options.scene.threads), stop_(stop) {}
+      : options_(options), renderer_(renderer), denoising_(renderer), stop_(stop) {}
 
   Result<Errors> of(const Frame& frame, const PixelRect& part) {
     TRY_ASSIGN(const RadianceImage picture, picture_of(frame, part));

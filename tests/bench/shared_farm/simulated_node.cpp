@@ -28,7 +28,7 @@ Duration duration_of(double seconds) {
 
 double path_segments(int bounces) { return (1.0 - std::pow(kSurvival, bounces + 1)) / (1.0 - kSurvival); }
 
-bool takes_tiles(node::LinkId) { return true; }
+bool may(const node::BlockOrder& /*order*/) { return true; }
 
 }  // namespace
 
@@ -39,7 +39,7 @@ double cell_seconds(const wire::View& view, int column, int row) {
   return paths * path_segments(static_cast<int>(view.bounces())) * kSegmentSeconds;
 }
 
-std::shared_ptr<const node::BlockOrder> SimulatedNode::next() const { return queue_.next(takes_tiles); }
+std::shared_ptr<const node::BlockOrder> SimulatedNode::next() const { return queue_.next(may); }
 
 SimulatedNode::Work& SimulatedNode::work_of(const std::shared_ptr<const node::BlockOrder>& order, TimePoint now) {
   const auto [found, is_new] = begun_.try_emplace(order.get());
@@ -104,7 +104,7 @@ void SimulatedNode::begin_piece(TimePoint now) {
     ends_at_ = now;
     return;
   }
-  const double ahead = queue_.seconds_ahead(takes_tiles) / threads_;
+  const double ahead = queue_.seconds_ahead(*at_work_, may) / threads_;
   const double limit = std::min(kMaxPieceSeconds, std::max(ahead, kMinPieceSeconds)) + work.cell;
   ends_at_ = now + duration_of(std::min(work.tile_seconds[work.next] / threads_, limit)) + Duration(1);
 }

@@ -20,7 +20,7 @@ namespace cyclorama {
 
 /// A node whose blocks are served by the real RenderQueue, and whose rays only take simulated time. Thread-bound.
 ///
-/// It works like RenderWorker: on one block at a time, in pieces that end at a tile's end, when another account has
+/// It works like a RenderWorker with one lane: on one block at a time, in pieces that end at a tile's end, when another account has
 /// waited long enough, or at the next cell after an order that goes first has come.
 class SimulatedNode {
  public:

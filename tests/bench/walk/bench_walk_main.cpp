@@ -47,6 +47,7 @@ nlohmann::json to_json(const WalkFigures& figures) {
           {"worst_psnr", figures.worst_psnr_db},
           {"switch", figures.switch_share},
           {"step", figures.step_share},
+          {"motion", figures.motion},
           {"flicker", figures.flicker},
           {"holes", figures.holes},
           {"depth_share", figures.depth_share},
@@ -95,11 +96,10 @@ SceneArgument parsed_scene(const std::string& text) {
 
 Result<WalkedScene> open_scene(const SceneArgument& of) {
   WalkedScene scene;
-  TRY_ASSIGN(scene.renderer, node::embree_scene_loader(0)(of.path, [](double) {}));
+  TRY_ASSIGN(scene.renderer, node::embree_scene_loader(std::make_shared<render::Crew>(0))(of.path, [](double) {}));
   if (!of.light.empty()) {
     TRY_ASSIGN(const MappedFile file, MappedFile::open(of.light));
-    TRY_ASSIGN(const node::VersionedLight light, scene.renderer->add_light(file.bytes(), of.light));
-    scene.renderer->use_light(light);
+    TRY(scene.renderer->add_light(file.bytes(), of.light));
   }
   if (!scene.renderer->note().empty()) fmt::print("{}\n", scene.renderer->note());
   wire::SceneDescription description = scene.renderer->description();
@@ -112,15 +112,16 @@ Result<WalkedScene> open_scene(const SceneArgument& of) {
 }
 
 void print_header() {
-  fmt::print("{:<9}{:>4}{:>5}  {:<38}{:>7}{:>7}{:>7}{:>8}{:>8}{:>8}{:>9}{:>8}{:>8}\n", "walk", "fps", "ms", "display",
-             "PSNR", "worst", "SSIM", "FLIP", "switch", "between", "flicker", "holes", "depth");
+  fmt::print("{:<9}{:>4}{:>5}  {:<38}{:>7}{:>7}{:>7}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}{:>8}\n", "walk", "fps", "ms",
+             "display", "PSNR", "worst", "SSIM", "FLIP", "switch", "between", "motion", "flicker", "holes", "depth");
 }
 
 void print_row(const WalkCase& walked, const WalkFarm& farm, const std::string& name, const WalkFigures& figures) {
-  fmt::print("{:<9}{:>4}{:>5}  {:<38}{:>7.2f}{:>7.2f}{:>7.4f}{:>8.4f}{:>7.0f}%{:>7.0f}%{:>9.2f}{:>7.2f}%{:>7.1f}%\n",
-             to_text(walked.path().kind()), farm.fps, farm.latency_ms, name, figures.psnr_db, figures.worst_psnr_db,
-             figures.ssim, figures.flip, 100 * figures.switch_share, 100 * figures.step_share, figures.flicker,
-             100 * figures.holes, 100 * figures.depth_share);
+  fmt::print(
+      "{:<9}{:>4}{:>5}  {:<38}{:>7.2f}{:>7.2f}{:>7.4f}{:>8.4f}{:>7.0f}%{:>7.0f}%{:>8.2f}{:>9.2f}{:>7.2f}%{:>7.1f}%\n",
+      to_text(walked.path().kind()), farm.fps, farm.latency_ms, name, figures.psnr_db, figures.worst_psnr_db,
+      figures.ssim, figures.flip, 100 * figures.switch_share, 100 * figures.step_share, figures.motion, figures.flicker,
+      100 * figures.holes, 100 * figures.depth_share);
   std::fflush(stdout);
 }
 
@@ -165,6 +166,11 @@ Status measure(const Options& options, const SceneArgument& of, nlohmann::json* 
         (*json)[name + unevenness_of(farm) + by] = to_json(figures);
       }
     }
+    const int first =
+        static_cast<int>(std::lround(options.latencies_ms.front() * options.pictures.refresh_hz / 1000.0));
+    TRY_ASSIGN(const WalkFigures anew, walked->measure_anew(first));
+    print_row(*walked, {static_cast<int>(options.pictures.refresh_hz), 0}, "rendered anew at each refresh", anew);
+    (*json)[fmt::format("{}, rendered anew", to_text(walked->path().kind()))] = to_json(anew);
     fmt::print("{} walked {:.2f} m\n", to_text(walked->path().kind()), walked->path().length_m());
   }
   return Done{};
@@ -303,6 +309,8 @@ int main(int argc, char** argv) {
                    "As a display on a software renderer filters; with --mesh-cells 2 it is wholly that");
   program.add_option("--mesh-cells", options.pictures.frames.mesh_cells,
                      "Cells of depth between two vertices of the mesh");
+  program.add_flag("--fine-depth", options.pictures.frames.fine_depth,
+                   "The display gets the depth of each pixel and a mesh as fine, which no frame can carry");
   program.add_option("--cost", options.cost_rounds,
                      "Instead: what moving a frame costs, over so many rounds; no scene");
   program.add_option("--refreshes", options.pictures.refreshes, "Length of each walk, at 60 a second");

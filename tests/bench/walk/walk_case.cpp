@@ -24,6 +24,9 @@ namespace {
 /// A surface at arm's length beside a residual of half an interval of walking; the tour's own rule.
 constexpr double kResidual_m = 0.1;
 constexpr double kNear_m = 1.0;
+/// Makes the truth take all of its samples everywhere. Like a frame it would otherwise take one at edges of low contrast,
+/// which would then move by whole pixels.
+constexpr float kNoError = 1e-6f;
 constexpr int kUsualJpegQuality = 85;  ///< A tour's default.
 /// Area of the torn quads' far sides; what nearer surfaces cover is not taken off.
 double torn_px(const display::DisplayFrame& frame, const Eigen::Vector3d& eye_move) {
@@ -77,7 +80,8 @@ void WalkCase::set_frames(const WalkFrames& frames) {
   settings_.frames = frames;
   const auto scaled = [&](int px) { return std::max(16, static_cast<int>(std::lround(frames.scale * px))); };
   picture_ = with_pixels(whole_, scaled(width_px(whole_)), scaled(height_px(whole_)));
-  grid_ = std::make_shared<const display::ReprojectionGrid>(Projection{picture_, {}}, frames.mesh_cells * kDepthCellPx);
+  grid_ = std::make_shared<const display::ReprojectionGrid>(Projection{picture_, {}},
+                                                            frames.fine_depth ? 1 : frames.mesh_cells * kDepthCellPx);
 }
 
 Result<std::unique_ptr<WalkCase>> WalkCase::make(node::BlockRenderer* renderer, const tour::Site& site,
@@ -97,6 +101,7 @@ render::PanoramaView WalkCase::view_of(const WalkPose& pose, const PictureShape&
   view.quality.samples = samples;
   view.quality.bounces = renderer_.bounces();
   view.quality.stored_light = has_light_;
+  if (has_light_) view.light = renderer_.light_versions()->newest()->store;
   view.seed = ++seed_;
   return view;
 }
@@ -105,7 +110,10 @@ render::RenderCost WalkCase::render_picture(const render::PanoramaView& view, Rg
                                             InverseDepthImage* ret_depth) {
   const PixelRect rect{0, 0, view.panorama.width_px, view.panorama.height_px};
   if (!view.quality.stored_light) {
-    return renderer_.begin_denoised(view, rect)->advance([] { return false; }, ret_pixels, ret_depth);
+    RadianceImage light;
+    render::RenderCost cost = renderer_.begin_denoised(view, rect)->advance([] { return false; }, &light, ret_depth);
+    *ret_pixels = renderer_.developed(light);
+    return cost;
   }
   render::Film film(rect.width, rect.height, false);
   if (view.depth) {
@@ -144,6 +152,13 @@ Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with
     if (sums->frames == 0) sums->depth_share = static_cast<double>(depth_bytes) / static_cast<double>(jpeg_bytes);
     if (quality > 0) frame.picture = std::move(planes);
   }
+  if (with_mesh && settings_.frames.fine_depth) {
+    // A cell of the larger picture is a pixel of the frame.
+    RgbImage larger;
+    view = view_of(pose, with_pixels(picture_, kDepthCellPx * pixels.width(), kDepthCellPx * pixels.height()), 1);
+    view.depth = true;
+    render_picture(view, &larger, &depth);
+  }
   if (with_mesh) frame.mesh = std::make_shared<const display::ReprojectionMesh>(grid_, depth);
   return frame;
 }
@@ -152,7 +167,9 @@ Result<RgbImage> WalkCase::rendered_truth(int refresh) {
   const WalkPose pose = path_.at(refresh);
   RgbImage pixels;
   InverseDepthImage none;
-  render_picture(view_of(pose, whole_, settings_.truth_samples), &pixels, &none);
+  render::PanoramaView view = view_of(pose, whole_, settings_.truth_samples);
+  if (view.quality.stored_light) view.quality.adaptive_error = kNoError;
+  render_picture(view, &pixels, &none);
   TRY(shown_->take(frame_of(pose, whole_, pixels), false));
   return shown_->shown(pose.eye_m, pose.heading_rad, false);
 }
@@ -166,7 +183,7 @@ Status WalkCase::complete_truth() {
       continue;
     }
     const std::filesystem::path kept =
-        settings_.truth_in / fmt::format("{}_{}x{}_{:.3f}_{}_{:03}.rgb", to_text(path_.kind()), settings_.width,
+        settings_.truth_in / fmt::format("{}_{}x{}_{:.3f}_all{}_{:03}.rgb", to_text(path_.kind()), settings_.width,
                                          settings_.height, settings_.span_rad, settings_.truth_samples, refresh);
     RgbImage picture(settings_.width, settings_.height);
     if (const auto bytes = read_file(kept, picture.data().size()); bytes && bytes->size() == picture.data().size()) {
@@ -196,6 +213,24 @@ std::vector<WalkCase::DueFrame> WalkCase::due_frames(const WalkFarm& farm) const
     due.push_back({at_s, std::min(requested, path_.refreshes() - 1)});
   }
   return due;
+}
+
+Result<WalkFigures> WalkCase::measure_anew(int first) {
+  WalkFigures figures;
+  WalkScore score;
+  TRY(complete_truth());
+  for (int refresh = first; refresh < path_.refreshes(); ++refresh) {
+    const WalkPose pose = path_.at(refresh);
+    TRY_ASSIGN(const display::DisplayFrame frame, frame_at(pose, true, &figures));
+    ++figures.frames;
+    TRY(shown_->take(frame, refresh > first));
+    TRY_ASSIGN(RgbImage shown, shown_->shown(pose.eye_m, pose.heading_rad, false));
+    TRY(score.add(std::move(shown), truth_[static_cast<std::size_t>(refresh)], true));
+  }
+  if (score.refreshes() == 0) return Error(ErrorCode::kInvalidArgument, "the walk ends before it is judged");
+  score.write_to(&figures);
+  figures.cpu_s_per_frame /= std::max(1, figures.frames);
+  return figures;
 }
 
 Result<WalkFigures> WalkCase::measure(const WalkFarm& farm, const WalkMethod& method,

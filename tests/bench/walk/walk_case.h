@@ -37,6 +37,8 @@ struct WalkFrames {
   bool stored_light = true;  ///< False: path traced and denoised; the truth reads stored light all the same, if it can.
   int jpeg_quality = 0;      ///< 0: frames reach the display without JPEG.
   int mesh_cells = 1;        ///< A display without a card has 2.
+  /// The display gets the depth of each pixel, and a mesh as fine: more than a frame can carry.
+  bool fine_depth = false;
 };
 
 struct WalkPictures {
@@ -62,6 +64,9 @@ class WalkCase {
 
   /// `pictures_to`: folder for the worst refresh, beside the truth; empty: none. Errors: GL's; writing pictures.
   Result<WalkFigures> measure(const WalkFarm& farm, const WalkMethod& method, const std::filesystem::path& pictures_to);
+  /// Measures a farm without delay that renders a frame for each refresh, from `first` on: how well frames of this
+  /// quality show motion at all, whatever a display does between them. Errors: those of measure().
+  Result<WalkFigures> measure_anew(int first);
   /// Frames of later measurements; the truth stays.
   void set_frames(const WalkFrames& frames);
   [[nodiscard]] const WalkedPath& path() const { return path_; }

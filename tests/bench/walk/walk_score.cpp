@@ -28,6 +28,7 @@ double psnr_of(double mean_square) { return 10.0 * std::log10(255.0 * 255.0 / st
 double WalkScore::Change::share() const { return truth > 0.0 ? std::sqrt(error / truth) : 0.0; }
 
 void WalkScore::add_change(const RgbImage& shown, const RgbImage& truth, Change* change) const {
+  change->values += static_cast<double>(shown.data().size());
   for (std::size_t i = 0; i < shown.data().size(); ++i) {
     const int change_of_truth = truth.data()[i] - truth_before_.data()[i];
     const int error = shown.data()[i] - shown_before_.data()[i] - change_of_truth;
@@ -65,6 +66,7 @@ void WalkScore::write_to(WalkFigures* figures) const {
   figures->worst_psnr_db = worst_psnr_db_;
   figures->switch_share = at_switch_.share();
   figures->step_share = between_.share();
+  figures->motion = std::sqrt((at_switch_.truth + between_.truth) / std::max(1.0, at_switch_.values + between_.values));
   figures->flicker = std::sqrt(flicker_squares_ / refreshes_);
 }
 

@@ -15,6 +15,7 @@ struct WalkFigures {
   double worst_psnr_db = 1e9;
   double switch_share = 0.0;  ///< At a new frame: error of the change between two refreshes over the true change; RMS.
   double step_share = 0.0;    ///< The same at all other refreshes.
+  double motion = 0.0;        ///< True change from one refresh to the next, in codes; RMS.
   /// Change when a frame replaces another though the visitor's eye stays: noise and other errors that differ between
   /// frames, in codes; RMS over all refreshes, so that few frames a second flicker less than many.
   double flicker = 0.0;
@@ -39,6 +40,7 @@ class WalkScore {
   struct Change {
     double truth = 0.0;
     double error = 0.0;
+    double values = 0.0;
     [[nodiscard]] double share() const;
   };
   void add_change(const RgbImage& shown, const RgbImage& truth, Change* change) const;

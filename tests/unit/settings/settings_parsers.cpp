@@ -19,6 +19,7 @@
 #include "drivers/devices/make_camera.h"
 #include "drivers/devices/make_turntable.h"
 #include "drivers/simulated/camera/simulation.h"
+#include "kiosk/care/care_settings.h"
 #include "kiosk/provision/operator_settings.h"
 #include "kiosk/tour/plan/tour_plan.h"
 #include "kiosk/tour/session/saved_position.h"
@@ -65,6 +66,7 @@ const std::map<std::string, Parser>& parsers() {
   static const std::map<std::string, Parser> museum{
       {"benchmarks.toml", parser([](const auto& text, const auto& name) { return Config::parse(text, name); })},
       {"calibrator.toml", parser(calibrator::CalibratorSettings::parse)},
+      {"care.toml", parser(care::parse_care_settings)},
       {"hand.toml", parser(simulated::Simulation::parse)},
       {"installation.toml", parser([](const auto& text, const auto& name) { return parse_installation(text, name); })},
       {"operator.toml", parser(provision::parse_operator_settings)},

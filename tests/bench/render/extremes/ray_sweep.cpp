@@ -25,7 +25,8 @@ class Target {
     // A second mesh keeps the render frame's origin in place.
     put(target->scene_, square(1e-3), plain_material());
     put(target->scene_, std::move(mesh), plain_material());
-    TRY_ASSIGN(target->accelerator_, render::Accelerator::build(target->scene_, 1, nullptr, &target->traced_));
+    TRY_ASSIGN(target->accelerator_,
+               render::Accelerator::build(target->scene_, 1, nullptr, std::nullopt, &target->traced_));
     return target;
   }
 

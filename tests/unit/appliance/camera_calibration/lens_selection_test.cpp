@@ -124,6 +124,31 @@ TEST(LensSelection, is_robust_against_wrong_corners) {
   EXPECT_LE(apart_px(choice->fit.lens, true_lens()), 0.6);
 }
 
+TEST(LensSelection, one_stray_picture_is_left_out_and_named) {
+  calibration::BrownParameters zoomed = true_lens();
+  zoomed.focal_u_px = zoomed.focal_v_px = 900.0;
+  calibration::BrownParameters shifted = true_lens();
+  shifted.centre_u_px += 40.0;
+  Shown blurred;
+  blurred.noise_px = 3.0;
+  const LensView strays[] = {shown(zoomed, 1, 9).front(), shown(shifted, 1, 9).front(),
+                             shown(true_lens(), 1, 9, blurred).front()};
+  for (unsigned number = 0; number < std::size(strays); ++number) {
+    std::vector<LensView> views = shown(true_lens(), 12, 5);
+    LensView stray = strays[number];
+    stray.name = "stray";
+    views.insert(views.begin() + 4, stray);
+    const auto choice = select_lens(views, kWidth, kHeight);
+    ASSERT_TRUE(choice) << number << ": " << choice.error().message();
+    EXPECT_LE(apart_px(choice->fit.lens, true_lens()), 0.6) << number;
+    EXPECT_THAT(choice->used, testing::Not(testing::Contains("stray"))) << number;
+    EXPECT_THAT(choice->remarks, testing::Contains(testing::HasSubstr("'stray' does not fit the other pictures")));
+  }
+  const auto clean = select_lens(shown(true_lens(), 12, 5), kWidth, kHeight);
+  ASSERT_TRUE(clean) << clean.error().message();
+  EXPECT_EQ(clean->used.size(), 12u);
+}
+
 TEST(LensSelection, refuses_too_few_and_identical_pictures) {
   const std::vector<LensView> views = shown(true_lens(), 4, 1);
   const auto few = select_lens(views, kWidth, kHeight);

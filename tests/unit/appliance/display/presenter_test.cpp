@@ -140,6 +140,24 @@ TEST_F(PresenterTest, does_not_allocate_during_a_thousand_refreshes) {
   EXPECT_EQ(allocations, 2);
 }
 
+TEST_F(PresenterTest, does_not_allocate_for_captions_after_the_largest) {
+  const auto write = [&](int width, int height) {
+    auto caption = std::make_unique<Caption>();
+    caption->ink = GreyImage(width, height, 200);
+    caption->width = 0.5;
+    caption->height = 0.2;
+    mailbox_.captions.wanted.put(std::move(caption));
+    refresh_for(std::chrono::milliseconds(700));
+    mailbox_.captions.replaced.take();
+  };
+  mailbox_.frames.put(frame_of(1, plain(32, 16, 90)));
+  write(64, 32);
+  write(60, 30);
+  allocations = 0;
+  for (int n = 1; n < 20; ++n) write(n % 5 == 0 ? 0 : 3 * n, n % 5 == 0 ? 0 : 32 - n);
+  EXPECT_EQ(allocations, 0);
+}
+
 TEST(PresenterStart, tests_its_shaders_on_a_few_pixels_of_each_head) {
   const FakeClock clock;
   const auto output =

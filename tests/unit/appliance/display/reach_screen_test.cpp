@@ -7,12 +7,14 @@
 #include <zbar.h>
 
 #include <cstdlib>
+#include <set>
 #include <vector>
 
 #include "appliance/display/reach_picture.h"
 #include "common/base/file.h"
 #include "common/image/image_file.h"
 #include "common/image/png.h"
+#include "common/language/catalogue.h"
 
 namespace cyclorama::display {
 namespace {
@@ -26,6 +28,7 @@ PageReach example() {
   PageReach reach;
   reach.name = "Museum 洞窟 Höhle";
   reach.version = "0.1.0.202611250335";
+  reach.language = "en";
   reach.addresses = {"https://192.0.2.117:8443/", "https://[2001:db8:4a:17:7d2:c0ff:fe31:99a4]:8443/",
                      "https://hall-3.local:8443/"};
   for (int i = 0; i < 32; ++i) reach.fingerprint += i == 0 ? "4F" : ":A1";
@@ -82,6 +85,23 @@ TEST(ReachPicture, has_a_code_that_another_program_reads) {
       const auto png = encode_png(without_alpha(*picture));
       ASSERT_TRUE(png);
       EXPECT_TRUE(write_file_atomically(fmt::format("{}/reach-{}x{}.png", folder, width, height), *png));
+    }
+  }
+}
+
+TEST(ReachPicture, speaks_each_language_and_keeps_its_code) {
+  std::set<std::string> texts;
+  for (const Catalogue& language : Catalogue::all()) {
+    PageReach reach = example();
+    reach.language = language.language();
+    const auto picture = reach_picture(reach, font(), 1920, 1080);
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(decoded(*picture), link_of(example())) << reach.language;
+    EXPECT_TRUE(texts.insert(language.sentence("Operator page: scan the code, or enter")).second) << reach.language;
+    if (const char* const folder = std::getenv("CYCLORAMA_SCREENSHOTS")) {
+      const auto png = encode_png(without_alpha(*picture));
+      ASSERT_TRUE(png);
+      EXPECT_TRUE(write_file_atomically(fmt::format("{}/reach-{}.png", folder, reach.language), *png));
     }
   }
 }
@@ -147,6 +167,24 @@ TEST_F(ReachScreenTest, shows_nothing_while_all_is_well_and_pictures_after_help)
   EXPECT_FALSE(shown.update(kNow + 2s)) << "the same picture";
   EXPECT_TRUE(shown.update(kNow + 3min));
   EXPECT_TRUE(shown.pictures().empty());
+}
+
+TEST_F(ReachScreenTest, shows_each_language_in_turn_until_the_museum_has_chosen_one) {
+  PageReach reach = example();
+  reach.has_pin = false;
+  reach.language.clear();
+  write(reach);
+  ReachScreen shown = screen();
+  int changes = 0;
+  const int languages = static_cast<int>(Catalogue::all().size());
+  for (TimePoint now = kNow; now < kNow + 2 * languages * kLanguageShown; now += 1s)
+    changes += shown.update(now) ? 1 : 0;
+  // A whole number of turns of kLanguageShown has passed at kNow only by chance.
+  EXPECT_THAT(changes, ::testing::AnyOf(2 * languages, 2 * languages + 1));
+  reach.language = "fr";
+  write(reach);
+  EXPECT_TRUE(shown.update(kNow + 1h));
+  EXPECT_FALSE(shown.update(kNow + 2h));
 }
 
 TEST_F(ReachScreenTest, follows_the_file_until_the_first_pin) {

@@ -138,6 +138,18 @@ TEST(HealingStart, uses_what_is_valid_and_names_the_rest) {
             ErrorCode::kNotFound);
 }
 
+TEST(HealingStart, projectors_come_in_the_installations_order) {
+  CalibratedRoom room;
+  const std::vector<WatchingCamera> cameras{{"seen", room.placed.lens}};
+  ASSERT_TRUE(room.start(cameras));
+  std::ranges::reverse(room.room.projectors);
+  const auto start = healing_start(room.folder.path, room.room, cameras);
+  ASSERT_TRUE(start) << start.error().message();
+  ASSERT_EQ(start->show.projectors.size(), room.room.projectors.size());
+  for (std::size_t i = 0; i < room.room.projectors.size(); ++i)
+    EXPECT_EQ(start->show.projectors[i].name, room.room.projectors[i].name);
+}
+
 TEST(HealingStart, predicts_with_the_measured_responses) {
   CalibratedRoom room;
   calibration::CalibratedColour colour;

@@ -55,7 +55,7 @@ TEST(NetworkSettings, of_all_kinds_are_accepted) {
   EXPECT_EQ(mistake(only_6), "") << "a museum without IPv4";
   NetworkSettings closed = fixed();
   closed.ipv4_gateway = closed.ipv6_gateway = "";
-  EXPECT_EQ(mistake(closed), "") << "a network without a router";
+  EXPECT_EQ(mistake(closed), "") << "a network without a gateway";
   NetworkSettings pair = fixed();
   pair.ipv4_address = "192.0.2.0/31";
   EXPECT_EQ(mistake(pair), "") << "both addresses of a /31 are computers'";

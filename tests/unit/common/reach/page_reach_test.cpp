@@ -13,6 +13,7 @@ PageReach example() {
   PageReach reach;
   reach.name = "Hall „3“";
   reach.version = "0.1.0";
+  reach.language = "de";
   reach.addresses = {"https://192.0.2.7:8443/", "https://[2001:db8::7]:8443/"};
   reach.fingerprint = "4F:A1:00";
   reach.wall_code = "0123456789abcdef";

@@ -74,6 +74,16 @@ TEST(InputSteering, counts_each_press_of_the_buttons_for_stops) {
   EXPECT_TRUE(keys.command(kNow).is_rest());
 }
 
+TEST(InputSteering, counts_each_press_of_the_key_for_the_language) {
+  InputDescription description = keyboard();
+  description.keys.insert(KEY_L);
+  InputSteering keys(InputKind::kKeyboard, description);
+  for (const std::int32_t value : {1, 2, 2, 0, 1}) keys.take({EV_KEY, KEY_L, value}, kNow);
+  EXPECT_EQ(keys.take_languages(), 2);
+  EXPECT_EQ(keys.take_languages(), 0);
+  EXPECT_EQ(keys.take_steps(), 0);
+}
+
 TEST(InputSteering, ignores_a_silent_spacemouse_after_a_while) {
   InputSteering cap(InputKind::kSpaceMouse, space_mouse());
   cap.take({EV_REL, REL_Y, -350}, kNow);

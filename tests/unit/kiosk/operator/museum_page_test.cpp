@@ -217,6 +217,69 @@ TEST(MuseumPage, reports_the_museums_state) {
   EXPECT_THAT(later["checks"].dump(), HasSubstr("Version 2 did not start well"));
 }
 
+TEST(MuseumPage, answers_in_the_language_that_the_reader_prefers) {
+  Page page;
+  const httplib::Headers german{{"Accept-Language", "de-CH,de;q=0.9"}};
+  const Json texts = Json::parse(page.client->Get("/texts", german)->body);
+  EXPECT_EQ(texts["language"], "de") << "it needs no PIN";
+  EXPECT_EQ(texts["languages"]["zh"], "中文");
+  EXPECT_EQ(Json::parse(page.client->Get("/texts?language=fr", german)->body)["language"], "fr");
+  EXPECT_EQ(Json::parse(page.client->Get("/texts?language=../x")->body)["language"], "en");
+  EXPECT_THAT(page.client->Post("/login", german, R"({"pin": "000000"})", "application/json")->body,
+              HasSubstr("das ist nicht die PIN"));
+  EXPECT_THAT(page.client->Get("/status", german)->body, HasSubstr("geben Sie die PIN ein"));
+  page.enter();
+  httplib::Headers both = page.cookie;
+  both.emplace("Accept-Language", "de");
+  EXPECT_THAT(Json::parse(page.client->Get("/museum", both)->body)["checks"].dump(), HasSubstr("Einstellungen"));
+  EXPECT_THAT(page.client->Get("/status", both)->body, HasSubstr("All is well with tour.")) << "nobody translated it";
+  EXPECT_THAT(Json::parse(page.client->Get("/museum", page.cookie)->body)["checks"].dump(), HasSubstr("Settings"));
+}
+
+TEST(MuseumPage, takes_the_museums_language_where_nobody_chose_another) {
+  Page page;
+  EXPECT_TRUE(write_file_atomically(MuseumState{page.stick.root()}.care(), std::string_view("language = \"es\"\n")));
+  EXPECT_EQ(Json::parse(page.client->Get("/texts", {{"Accept-Language", "de"}})->body)["language"], "es");
+  EXPECT_EQ(Json::parse(page.client->Get("/texts?language=de")->body)["language"], "de");
+}
+
+TEST(MuseumPage, gives_metrics_for_a_token_without_the_pin) {
+  Page page;
+  const MuseumState museum{page.stick.root()};
+  const auto status = [&](const std::string& authorization, const char* path = "/metrics") {
+    return page.client->Get(path, {{"Authorization", authorization}})->status;
+  };
+  EXPECT_EQ(status("Bearer 0123456789abcdef"), 401) << "no token is set";
+  EXPECT_TRUE(write_file_atomically(museum.care(), std::string_view("[metrics]\ntoken_file = \"token\"\n")));
+  EXPECT_EQ(status("Bearer "), 401) << "the file is missing";
+  EXPECT_TRUE(write_file_atomically(museum.settings() / "token", std::string_view("0123456789abcdef\n")));
+  EXPECT_EQ(status("Bearer 0123456789abcdef"), 200);
+  EXPECT_EQ(status("Bearer 0123456789abcdeF"), 401);
+  EXPECT_EQ(status("Bearer 0123456789abcdef0"), 401);
+  EXPECT_EQ(status("0123456789abcdef"), 401);
+  EXPECT_EQ(status("Bearer 0123456789abcdef", "/status"), 401) << "it opens nothing else";
+  EXPECT_TRUE(write_file_atomically(museum.settings() / "token", std::string_view("short\n")));
+  EXPECT_EQ(status("Bearer short"), 401);
+}
+
+TEST(MuseumPage, records_faults_and_visits_and_shows_them) {
+  Page page;
+  CareLog log({page.museum.support.museum, page.keep, page.watch.get(), [] {
+                 return std::vector<Check>{{"disk", "Disk", CheckLevel::kFault, "It is full.", "Empty it."}};
+               }});
+  page.museum.log = &log;
+  page.enter();
+  const TimePoint deadline = SteadyClock().now() + 20s;
+  while (log.report().today.empty() && SteadyClock().now() < deadline) std::this_thread::sleep_for(20ms);
+  const Json museum = Json::parse(page.client->Get("/museum", page.cookie)->body);
+  EXPECT_TRUE(museum["history"].is_array());
+  EXPECT_EQ(museum["visits"]["is_visited"], false);
+  EXPECT_EQ(museum["visits"]["today"].get<std::string>().size(), std::string_view("2026-11-25").size());
+  const std::string metrics = page.client->Get("/metrics", page.cookie)->body;
+  EXPECT_THAT(metrics, HasSubstr("cyclorama_visits_total{} 0\n"));
+  EXPECT_THAT(metrics, HasSubstr("cyclorama_checks{level=\"fault\"}"));
+}
+
 TEST(MuseumPage, starts_calibrations_tests_the_network_and_passes_requests_on) {
   Page page;
   page.enter();
@@ -279,7 +342,13 @@ TEST(MuseumPage, overrides_the_opening_hours_once_and_revokes_the_override) {
   EXPECT_EQ(page.post("/hours", R"({"do": "closed"})"), 204);
   EXPECT_EQ(schedule()["override"]["open"], false);
   EXPECT_EQ(schedule()["open"], false);
-  EXPECT_THAT(schedule()["override"]["until"], HasSubstr("10:00")) << "its next opening";
+  const auto time_in = [](const Json& iso, const absl::TimeZone& zone) {
+    absl::Time time;
+    EXPECT_TRUE(absl::ParseTime(absl::RFC3339_sec, iso.get<std::string>(), &time, nullptr));
+    return absl::FormatTime("%H:%M", time, zone);
+  };
+  const auto zone = read_opening_hours(MuseumState{page.stick.root()}.site())->zone();
+  EXPECT_EQ(time_in(schedule()["override"]["until"], zone), "10:00") << "its next opening";
   const WallTime now = std::chrono::system_clock::now();
   // In an hour, in the museum's time zone.
   const auto hours = read_opening_hours(MuseumState{page.stick.root()}.site());
@@ -287,7 +356,7 @@ TEST(MuseumPage, overrides_the_opening_hours_once_and_revokes_the_override) {
   const std::string until = absl::FormatTime("%H:%M", absl::FromChrono(now + std::chrono::hours(1)), hours->zone());
   EXPECT_EQ(page.post("/hours", (R"({"do": "open", "until": ")" + until + "\"}").c_str()), 204);
   EXPECT_EQ(schedule()["open"], true);
-  EXPECT_THAT(schedule()["override"]["until"], HasSubstr(until));
+  EXPECT_EQ(time_in(schedule()["override"]["until"], zone), until);
   for (const char* const bad : {"", "{}", "[]", R"({"do": "dance"})", R"({"do": "open"})", R"({"do": 1})",
                                 R"({"do": "open", "until": "25:00"})", R"({"do": "open", "until": 22})"}) {
     EXPECT_EQ(page.post("/hours", bad), 400) << bad;
@@ -363,6 +432,24 @@ TEST(PageCertificate, is_created_once_kept_private_and_renewed_in_time) {
   fs::resize_file(disk.root() / "page.crt", 100);
   EXPECT_TRUE(page_certificate(disk.root(), now)) << "a damaged one is made anew";
   EXPECT_FALSE(page_certificate(disk.root() / "nowhere", now));
+}
+
+TEST(PageCertificate, is_renewed_by_a_page_that_runs_for_years_and_after_the_clock_was_set) {
+  const MuseumStick disk;
+  std::time_t now = std::time(nullptr);
+  auto page = page_certificate(disk.root(), now);
+  ASSERT_TRUE(page);
+  EXPECT_TRUE(is_to_be_renewed(*page, now - 30L * 86400)) << "the clock was years ahead when the page started";
+  constexpr int kDays = 5 * 365;
+  int starts = 0;
+  for (int day = 0; day < kDays; ++day, now += 86400) {
+    if (!is_to_be_renewed(*page, now)) continue;
+    ++starts;
+    page = page_certificate(disk.root(), now);
+    ASSERT_TRUE(page);
+    EXPECT_FALSE(is_to_be_renewed(*page, now)) << "a page must not start again for ever";
+  }
+  EXPECT_EQ(starts, 2);
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ struct Operator {
 
 TEST(PageServer, serves_the_page_and_everything_to_which_it_refers) {
   Operator op;
-  EXPECT_EQ(page_files().size(), 15u);
+  EXPECT_EQ(page_files().size(), 17u);
   for (const PageFile& file : page_files()) {
     const auto answer = op.client->Get(std::string(file.path).c_str());
     ASSERT_TRUE(answer);

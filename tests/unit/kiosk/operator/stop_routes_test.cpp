@@ -49,12 +49,17 @@ TEST(StopRoutes, list_the_stops_and_lead_to_them) {
 
 TEST(StopRoutes, refuse_other_bodies) {
   for (const char* const body :
-       {"", "{}", "[]", "{\"do\": 1}", "{\"do\": \"jump\"}", "{\"do\": \"go\"}", "{\"do\": \"go\", \"name\": 3}"}) {
+       {"", "{}", "[]", "{\"do\": 1}", "{\"do\": \"jump\"}", "{\"do\": \"go\"}", "{\"do\": \"go\", \"name\": 3}",
+        "{\"do\": \"captions\"}", "{\"do\": \"captions\", \"languages\": [1]}"}) {
     EXPECT_FALSE(parse_stop_order(body)) << body;
   }
   const auto added = parse_stop_order("{\"do\": \"stop-here\"}");
   ASSERT_TRUE(added);
   EXPECT_EQ(added->kind, StopOrder::Kind::kAdd);
+  const auto captions = parse_stop_order("{\"do\": \"captions\", \"languages\": [\"de\", \"zh-Hant\"]}");
+  ASSERT_TRUE(captions);
+  EXPECT_EQ(captions->kind, StopOrder::Kind::kCaptions);
+  EXPECT_THAT(captions->captions.languages(), ElementsAre("de", "zh-Hant"));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "appliance/camera_calibration/board_search.h"
 #include "appliance/tags/tag_detector.h"
+#include "appliance/tracker/tag_tracking.h"
 #include "common/base/text.h"
 #include "kiosk/operator/board_sheet.h"
 
@@ -88,14 +89,29 @@ TEST(WandSheet, has_all_tags_at_the_right_positions_and_sizes_for_a_detector) {
   }
 }
 
+TEST(WandSheet, has_a_back_with_the_tag_that_no_wand_has) {
+  const Paper& paper = papers()[0];
+  const std::vector<VectorPage> pages = wand_sheet(11, paper);
+  ASSERT_EQ(pages.size(), 3u);
+  tags::DetectorSettings settings;
+  settings.refine_corners = false;
+  auto detector = tags::TagDetector::create(settings);
+  ASSERT_TRUE(detector.has_value());
+  const auto found = detector->detect(rasterised(to_pdf({pages[2]}), paper));
+  ASSERT_TRUE(found.has_value());
+  ASSERT_EQ(found->size(), 1U);
+  EXPECT_EQ(found->front().id, kBackTag);
+  EXPECT_FALSE(tracker::PatternSettings().pattern_of(kBackTag));
+}
+
 TEST(WandSheet, is_a_pdf_whose_table_has_the_right_offsets) {
   const std::string pdf = to_pdf(wand_sheet(0, papers()[0]));
   EXPECT_EQ(pdf.substr(0, 8), "%PDF-1.4");
   EXPECT_EQ(pdf.substr(pdf.size() - 6), "%%EOF\n");
-  const std::size_t table = pdf.find("xref\n0 8\n");
+  const std::size_t table = pdf.find("xref\n0 10\n");
   ASSERT_NE(table, std::string::npos);
-  for (int i = 1; i < 8; ++i) {
-    const auto place = parse_integer(pdf.substr(table + 9 + 20 * static_cast<std::size_t>(i), 10));
+  for (int i = 1; i < 10; ++i) {
+    const auto place = parse_integer(pdf.substr(table + 10 + 20 * static_cast<std::size_t>(i), 10));
     ASSERT_TRUE(place.has_value());
     EXPECT_EQ(pdf.substr(static_cast<std::size_t>(*place), 7), std::to_string(i) + " 0 obj");
   }

@@ -273,7 +273,8 @@ class MuseumsPortTest : public testing::Test {
     node::FarmNodeOptions node_options;
     node_options.coordinators = {"[::1]:" + std::to_string(coordinator->node_port())};
     node_options.name = "node";
-    auto node_started = node::FarmNode::start(node_options, node::embree_scene_loader(1));
+    auto node_started =
+        node::FarmNode::start(node_options, node::embree_scene_loader(std::make_shared<render::Crew>(1)));
     ASSERT_TRUE(node_started);
     node = *std::move(node_started);
     channel = *make_channel("[::1]:" + std::to_string(coordinator->museum_port()));

@@ -75,7 +75,7 @@ class SceneDistributionTest : public testing::Test {
                                                          const node::LightStarter& light = nullptr) const {
     node::FarmNodeOptions options{.coordinators = {"[::1]:" + std::to_string(coordinator->node_port())}, .name = cache};
     options.cache = {temporary.path() / cache, 0};
-    auto started = node::FarmNode::start(options, node::embree_scene_loader(1), light);
+    auto started = node::FarmNode::start(options, node::embree_scene_loader(std::make_shared<render::Crew>(1)), light);
     EXPECT_TRUE(started);
     return *std::move(started);
   }

@@ -22,11 +22,17 @@ class DenoisingRendererTest : public testing::Test {
     light.radius_m = 0.5f;
     scene.model.lights.push_back(light);
     scene.tone = scene::ToneCurve::kFilmic;
+    auto alone = render::Renderer::build(scene, 1, nullptr);
+    ASSERT_TRUE(alone) << alone.error().message();
+    alone_ = std::move(*alone);
     auto built = render::Renderer::build(std::move(scene), 2, nullptr);
     ASSERT_TRUE(built) << built.error().message();
     renderer_ = std::move(*built);
   }
-  static void TearDownTestSuite() { renderer_.reset(); }
+  static void TearDownTestSuite() {
+    renderer_.reset();
+    alone_.reset();
+  }
 
   static render::PanoramaView view() {
     render::PanoramaView view = view_from({0, 0, 0}, 200, 150, 0.7, -0.7);
@@ -35,12 +41,13 @@ class DenoisingRendererTest : public testing::Test {
     return view;
   }
   static RgbImage picture_of(const PixelRect& rect, int threads) {
-    DenoisingRenderer denoising(*renderer_, threads);
+    DenoisingRenderer denoising(threads == 1 ? *alone_ : *renderer_);
     RgbImage picture;
     denoising.render(view(), rect, &picture, nullptr);
     return picture;
   }
   static inline std::unique_ptr<render::Renderer> renderer_;
+  static inline std::unique_ptr<render::Renderer> alone_;  ///< The same scene with one thread.
 };
 
 TEST_F(DenoisingRendererTest, removes_noise_from_flat_and_round_pictures) {
@@ -57,7 +64,7 @@ TEST_F(DenoisingRendererTest, removes_noise_from_flat_and_round_pictures) {
     RadianceImage smooth;
     renderer_->render_radiance(clean, all, &reference, nullptr);
     renderer_->render_radiance(noisy, all, &plain, nullptr);
-    DenoisingRenderer(*renderer_, 1).render_radiance(noisy, all, &smooth, nullptr);
+    DenoisingRenderer(*renderer_).render_radiance(noisy, all, &smooth, nullptr);
     const auto error = [&](const RadianceImage& image) {
       double sum = 0.0;
       for (std::size_t i = 0; i < image.data().size(); ++i) {
@@ -89,7 +96,7 @@ TEST_F(DenoisingRendererTest, denoises_any_part_as_in_the_whole_film_bit_by_bit)
 
 TEST_F(DenoisingRendererTest, brings_the_depth_of_the_plain_picture_for_any_part) {
   render::PanoramaView deep = view();
-  DenoisingRenderer denoising(*renderer_, 2);
+  DenoisingRenderer denoising(*renderer_);
   RgbImage picture;
   InverseDepthImage plain, depth;
   denoising.render(deep, whole(deep), &picture, nullptr, &depth);
@@ -106,7 +113,7 @@ TEST_F(DenoisingRendererTest, brings_the_depth_of_the_plain_picture_for_any_part
 }
 
 TEST_F(DenoisingRendererTest, handles_another_size_and_an_empty_one_with_the_same_memory) {
-  DenoisingRenderer denoising(*renderer_, 2);
+  DenoisingRenderer denoising(*renderer_);
   RgbImage first, small, empty, again;
   denoising.render(view(), whole(view()), &first, nullptr);
   denoising.render(view(), {32, 32, 16, 16}, &small, nullptr);
@@ -121,7 +128,7 @@ TEST_F(DenoisingRendererTest, counts_the_rays_of_the_margin) {
   const PixelRect part{48, 48, 16, 16};
   RgbImage picture;
   const render::RenderCost plain = renderer_->render(view(), part, &picture, nullptr);
-  const render::RenderCost cost = DenoisingRenderer(*renderer_, 1).render(view(), part, &picture, nullptr);
+  const render::RenderCost cost = DenoisingRenderer(*renderer_).render(view(), part, &picture, nullptr);
   EXPECT_GT(cost.rays, 4 * plain.rays);
   EXPECT_GT(cost.wall_seconds, 0.0);
 }
@@ -129,7 +136,7 @@ TEST_F(DenoisingRendererTest, counts_the_rays_of_the_margin) {
 TEST_F(DenoisingRendererTest, counts_the_processor_time_of_the_filter) {
   auto renderer = render::Renderer::build(scene_of(sphere_mesh(3.0f, 4)), 1, nullptr);
   ASSERT_TRUE(renderer) << renderer.error().message();
-  DenoisingRenderer denoising(**renderer, 1);
+  DenoisingRenderer denoising(**renderer);
   render::PanoramaView cheap = view();
   cheap.eye = {0, 100, 0};  // With almost nothing visible, filtering takes about as long as rendering the film.
   cheap.quality.samples = 1;
@@ -144,7 +151,7 @@ TEST_F(DenoisingRendererTest, counts_the_processor_time_of_the_filter) {
 }
 
 TEST_F(DenoisingRendererTest, attributes_all_costs_of_a_part_to_its_own_cells) {
-  DenoisingRenderer denoising(*renderer_, 2);
+  DenoisingRenderer denoising(*renderer_);
   RgbImage picture;
   const auto columns_and_rows = [&](const PixelRect& rect, const std::function<bool()>& cancelled) {
     const render::RenderCost cost = denoising.render(view(), rect, &picture, cancelled);
@@ -162,7 +169,7 @@ TEST_F(DenoisingRendererTest, attributes_all_costs_of_a_part_to_its_own_cells) {
 
 TEST_F(DenoisingRendererTest, stops_when_it_is_cancelled) {
   RgbImage picture;
-  DenoisingRenderer(*renderer_, 1).render(view(), whole(view()), &picture, [] { return true; });
+  DenoisingRenderer(*renderer_).render(view(), whole(view()), &picture, [] { return true; });
   EXPECT_EQ(picture, RgbImage(200, 150));
 }
 
@@ -177,7 +184,7 @@ TEST_F(DenoisingRendererTest, never_mixes_the_eyes_pictures) {
   constexpr int kHeight = 96;
   const render::PanoramaView both = for_eyes(view(), Eyes::kOverUnder, kHeight);
   ASSERT_TRUE(check_denoisable(both));
-  DenoisingRenderer denoising(*renderer_, 2);
+  DenoisingRenderer denoising(*renderer_);
   RadianceImage all;
   const PixelRect whole{0, 0, 200, 2 * kHeight};
   const render::RenderCost cost = denoising.render_radiance(both, whole, &all, nullptr);
@@ -215,7 +222,7 @@ TEST_F(DenoisingRendererTest, removes_noise_from_both_eyes_pictures) {
   const PixelRect whole{0, 0, 200, 2 * kHeight};
   renderer_->render_radiance(clean, whole, &reference, nullptr);
   renderer_->render_radiance(noisy, whole, &plain, nullptr);
-  DenoisingRenderer(*renderer_, 1).render_radiance(noisy, whole, &smooth, nullptr);
+  DenoisingRenderer(*renderer_).render_radiance(noisy, whole, &smooth, nullptr);
   for (const int top : {0, kHeight}) {
     double before = 0.0, after = 0.0;
     for (int y = top; y < top + kHeight; ++y) {

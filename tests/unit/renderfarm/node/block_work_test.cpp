@@ -40,7 +40,12 @@ std::vector<RenderedTile> tiles(Kind kind, std::uint64_t watermark, bool depth =
   EXPECT_TRUE(work) << work.error().message();
   FilmStore films;
   std::vector<RenderedTile> made;
-  while (!work->is_done()) made.push_back(*work->next_tile(films, {[] { return false; }, [] { return false; }}));
+  render::Crew crew(2);
+  while (!work->is_done()) {
+    for (RenderedTile& tile : work->next_tiles(films, crew, {[] { return false; }, [] { return false; }})) {
+      made.push_back(std::move(tile));
+    }
+  }
   return made;
 }
 
@@ -113,15 +118,16 @@ class BlockWorkPrior : public testing::Test {
     block.mutable_view()->set_samples(static_cast<std::uint32_t>(end - first));
     auto work = BlockWork::begin(order);
     EXPECT_TRUE(work) << work.error().message();
-    auto tile = work->next_tile(films, {[] { return false; }, [this] { return --cells_until_preempted == 0; }});
-    if (!tile) tile = work->next_tile(films, {[] { return false; }, [] { return false; }});
-    return std::move(tile->pixels);
+    auto tiles = work->next_tiles(films, crew, {[] { return false; }, [this] { return --cells_until_preempted == 0; }});
+    if (tiles.empty()) tiles = work->next_tiles(films, crew, {[] { return false; }, [] { return false; }});
+    return std::move(tiles.at(0).pixels);
   }
 
   std::shared_ptr<FakeRendering> rendering = std::make_shared<FakeRendering>();
   std::shared_ptr<FakeBlockRenderer> renderer = std::make_shared<FakeBlockRenderer>(rendering);
   wire::View view;
   FilmStore films;
+  render::Crew crew{1};
   int cells_until_preempted = -1;
 };
 
@@ -181,21 +187,24 @@ TEST(BlockWork, renders_the_largest_denoised_block_in_parts_of_bounded_memory) {
   auto work = BlockWork::begin(order);
   ASSERT_TRUE(work) << work.error().message();
   FilmStore films;
+  render::Crew crew(2);
   int tiles = 0;
   while (!work->is_done()) {
-    const auto tile = work->next_tile(films, {[] { return false; }, [] { return false; }});
-    ASSERT_TRUE(tile);
-    RgbImage expected(tile->rect.width, tile->rect.height);
-    render::PanoramaView same;
-    same.panorama = {4096, 1040, 2.0, 0.5, -0.5};
-    same.seed = 1;
-    InverseDepthImage depth;
-    order->renderer->begin_denoised(same, tile->rect)->advance([] { return false; }, &expected, &depth);
-    EXPECT_EQ(tile->pixels, expected) << tiles;
-    ++tiles;
+    const auto row = work->next_tiles(films, crew, {[] { return false; }, [] { return false; }});
+    ASSERT_EQ(row.size(), 16u) << "one row of tiles at a time, more would exceed the limit";
+    for (const RenderedTile& tile : row) {
+      RadianceImage expected;
+      render::PanoramaView same;
+      same.panorama = {4096, 1040, 2.0, 0.5, -0.5};
+      same.seed = 1;
+      InverseDepthImage depth;
+      order->renderer->begin_denoised(same, tile.rect)->advance([] { return false; }, &expected, &depth);
+      EXPECT_EQ(tile.pixels, order->renderer->developed(expected)) << tiles;
+      ++tiles;
+    }
   }
   EXPECT_EQ(tiles, 16 * 5);
-  EXPECT_EQ(rendering->renders, tiles + 5) << "one row of tiles at a time, more would exceed the limit";
+  EXPECT_EQ(rendering->renders, tiles + 5);
 }
 
 INSTANTIATE_TEST_SUITE_P(OfAllKinds, BlockWorkDepth, testing::Values(Kind::kMoving, Kind::kDenoised, Kind::kAtRest));

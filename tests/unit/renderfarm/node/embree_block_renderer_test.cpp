@@ -27,7 +27,7 @@ constexpr const char* kFoldedSheet =
 std::unique_ptr<BlockRenderer> folded_sheet() {
   const std::filesystem::path file = testing::TempDir() + "folded_sheet.obj";
   std::ofstream(file) << kFoldedSheet;
-  auto loaded = embree_scene_loader(1)(file.string(), [](double) {});
+  auto loaded = embree_scene_loader(std::make_shared<render::Crew>(1))(file.string(), [](double) {});
   std::filesystem::remove(file);
   EXPECT_TRUE(loaded) << loaded.error().message();
   return *std::move(loaded);
@@ -86,7 +86,7 @@ TEST(EmbreeBlockRenderer, develops_a_film_to_the_codes_of_render_with_the_scenes
     std::ofstream(folder / "sheet.obj") << kFoldedSheet;
     std::ofstream(folder / "scene.toml") << "title = \"Sheet\"\n[tone]\ncurve = \"" << curve
                                          << "\"\n[[geometry]]\nfile = \"sheet.obj\"\n";
-    const auto loaded = embree_scene_loader(1)(folder.string(), [](double) {});
+    const auto loaded = embree_scene_loader(std::make_shared<render::Crew>(1))(folder.string(), [](double) {});
     auto scene = scene::load_scene(folder.string(), scene::ImportLimits{}, [](double) {});
     std::filesystem::remove_all(folder);
     ASSERT_TRUE(loaded && scene) << loaded.error().message();
@@ -143,13 +143,13 @@ TEST(EmbreeBlockRenderer, denoises_the_same_picture_however_often_it_is_interrup
     render::PanoramaView view = view_of_sheet();
     view.quality.samples = samples;
     view.depth = true;
-    RgbImage at_once;
+    RadianceImage at_once;
     InverseDepthImage depth;
     renderer->begin_denoised(view, kRect)->advance([] { return false; }, &at_once, &depth);
     ASSERT_FALSE(at_once.empty());
     ASSERT_FALSE(depth.empty());
     const auto work = renderer->begin_denoised(view, kRect);
-    RgbImage picture;
+    RadianceImage picture;
     InverseDepthImage interrupted_depth;
     int calls = 0;
     std::uint64_t rays = 0;

@@ -47,7 +47,7 @@ TEST_F(LightProgram, writes_light_that_the_scenes_renderer_uses) {
   });
   ASSERT_TRUE(done) << done.error().message();
   EXPECT_EQ(last, 1.0);
-  const auto renderer = *embree_scene_loader(2)(scene.string(), [](double) {});
+  const auto renderer = *embree_scene_loader(std::make_shared<render::Crew>(2))(scene.string(), [](double) {});
   EXPECT_TRUE(renderer->can_have_light());
   EXPECT_FALSE(renderer->light_versions()->newest());
   const auto light = added(*renderer);
@@ -62,10 +62,11 @@ TEST_F(LightProgram, writes_light_that_the_scenes_renderer_uses) {
 TEST_F(LightProgram, refuses_light_of_another_scene_and_a_damaged_file) {
   ASSERT_TRUE(compute_light(scene, file, 2, [](double) {}));
   std::ofstream(folder / "other.obj") << "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n";
-  const auto other = *embree_scene_loader(1)((folder / "other.obj").string(), [](double) {});
+  const auto other =
+      *embree_scene_loader(std::make_shared<render::Crew>(1))((folder / "other.obj").string(), [](double) {});
   EXPECT_THAT(added(*other).error().message(), HasSubstr("another scene"));
   fs::resize_file(file, fs::file_size(file) - 1);
-  const auto renderer = *embree_scene_loader(1)(scene.string(), [](double) {});
+  const auto renderer = *embree_scene_loader(std::make_shared<render::Crew>(1))(scene.string(), [](double) {});
   EXPECT_THAT(added(*renderer).error().message(), HasSubstr("damaged"));
 }
 

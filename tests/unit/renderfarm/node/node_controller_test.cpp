@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <map>
+#include <thread>
 #include <vector>
 
 #include "common/image/cells.h"
@@ -331,6 +333,93 @@ TEST_F(NodeControllerTest, reports_its_state_and_that_it_drains) {
   take(link, block(2));
   EXPECT_THAT(all_work(*link), ElementsAre()) << "nothing after the end";
   EXPECT_TRUE(link->is_finished());
+}
+
+/// A node with two lanes, each served by a thread.
+class NodeLanes : public NodeControllerTest {
+ protected:
+  NodeLanes() {
+    for (std::size_t lane = 0; lane < node.renders().lanes(); ++lane) {
+      threads.emplace_back([this, lane] {
+        while (node.renders().wait()) node.renders().work(lane);
+      });
+    }
+  }
+  ~NodeLanes() override {
+    node.renders().stop();
+    for (std::thread& thread : threads) thread.join();
+  }
+  std::shared_ptr<NodeLink> opened_node() {
+    auto link = node.open();
+    wire::NodeCommand command;
+    command.mutable_load_scene()->set_scene("grotto");
+    command.mutable_load_scene()->set_path("a");
+    EXPECT_TRUE(node.take(link, command));
+    while (node.loads().work()) {
+    }
+    EXPECT_TRUE(link->pop(SteadyClock().now()));
+    return link;
+  }
+  /// Waits for a block's end and adds all replies until then to `ends` and `pictures`.
+  bool wait_for_end(NodeLink& link, std::uint64_t block) {
+    const TimePoint deadline = SteadyClock().now() + std::chrono::seconds(20);
+    while (!ends.contains(block) && SteadyClock().now() < deadline) {
+      if (const auto item = link.pop(SteadyClock().now() + std::chrono::milliseconds(5))) {
+        if (const auto* const tile = std::get_if<RenderedTile>(&*item)) pictures[tile->block].push_back(tile->pixels);
+        if (const auto* const end = std::get_if<RenderedBlock>(&*item)) ends[end->block] = *end;
+      }
+      node.renders().link_moved();
+    }
+    return ends.contains(block);
+  }
+
+  NodeController node{fake_loader(rendering), 0, {}, nullptr, std::make_shared<render::Crew>(2)};
+  std::vector<std::thread> threads;
+};
+
+TEST_F(NodeLanes, render_a_block_while_another_is_in_the_middle_of_a_tile) {
+  ASSERT_EQ(node.renders().lanes(), 2u);
+  const auto link = opened_node();
+  std::atomic<bool> has_come = false;
+  bool has_ended = false;
+  rendering->set_before_cell([&] {
+    if (rendering->film_cells < 20 || has_come.exchange(true)) return;
+    EXPECT_TRUE(node.take(link, block(2, 1)));
+    has_ended = wait_for_end(*link, 2);
+  });
+  ASSERT_TRUE(node.take(link, block(1, 100)));
+  while (!has_come) std::this_thread::yield();
+  ASSERT_TRUE(wait_for_end(*link, 1));
+  rendering->set_before_cell(nullptr);
+  EXPECT_TRUE(has_ended) << "before the first went on";
+  EXPECT_EQ(pictures[1], pictures[2]);
+  EXPECT_EQ(rendering->film_cells, 2 * 512) << "no cell twice";
+}
+
+TEST_F(NodeLanes, end_each_block_once_when_some_are_cancelled_and_a_link_is_dropped) {
+  const auto link = opened_node();
+  const auto other = opened_node();
+  constexpr std::uint64_t kBlocks = 16;
+  for (std::uint64_t number = 1; number <= kBlocks; ++number) {
+    wire::NodeCommand command = number % 3 == 0 ? kept(block(number, number), 0, 4) : block(number, number);
+    command.mutable_render()->set_account(number % 4);
+    command.mutable_render()->mutable_view()->set_denoise(number % 3 == 1);
+    ASSERT_TRUE(node.take(link, command));
+    ASSERT_TRUE(node.take(other, block(number)));
+    if (number % 5 == 0) {
+      EXPECT_TRUE(node.take(link, cancel(number)));
+    }
+  }
+  node.close(*other);
+  for (std::uint64_t number = 1; number <= kBlocks; ++number) {
+    ASSERT_TRUE(wait_for_end(*link, number)) << number;
+    if (ends[number].error.empty()) {
+      EXPECT_EQ(pictures[number].size(), 2u) << number;
+    } else {
+      EXPECT_EQ(number % 5, 0u) << ends[number].error;
+    }
+  }
+  EXPECT_TRUE(node.renders().wait_until_idle(SteadyClock().now() + std::chrono::seconds(20), {}));
 }
 
 TEST_F(NodeControllerTest, waits_until_nothing_is_queued) {

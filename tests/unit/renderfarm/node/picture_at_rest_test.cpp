@@ -27,7 +27,7 @@ class PictureAtRest : public testing::Test {
                             "f 1 6 5\n";
     const fs::path file = folder / "light.store";
     ASSERT_TRUE(compute_light(scene, file, 1, [](double) {}));
-    renderer = *embree_scene_loader(1)(scene.string(), [](double) {});
+    renderer = *embree_scene_loader(std::make_shared<render::Crew>(1))(scene.string(), [](double) {});
     const auto mapped = MappedFile::open(file);
     ASSERT_TRUE(mapped);
     const auto light = renderer->add_light(mapped->bytes(), file.string());
@@ -55,7 +55,7 @@ class PictureAtRest : public testing::Test {
     *order->block.mutable_view() = of;
     auto work = BlockWork::begin(order);
     EXPECT_TRUE(work) << work.error().message();
-    return std::move(work->next_tile(films, {[] { return false; }, [] { return false; }})->pixels);
+    return std::move(work->next_tiles(films, crew, {[] { return false; }, [] { return false; }}).at(0).pixels);
   }
   /// Returns the picture at rest of so many samples.
   RgbImage at_rest(std::uint32_t samples, bool with_prior) {
@@ -76,6 +76,7 @@ class PictureAtRest : public testing::Test {
   std::string version;
   wire::View view;
   FilmStore films;
+  render::Crew crew{1};
 };
 
 TEST_F(PictureAtRest, begins_as_the_moving_picture_with_stored_light_ended) {

@@ -26,10 +26,18 @@ std::shared_ptr<BlockOrder> order(LinkId link, std::uint64_t block, std::uint64_
   return made;
 }
 
+bool all(const BlockOrder& /*order*/) { return true; }
+
+/// Returns how long the first block may go on; infinite if there is none.
+double seconds_ahead(const RenderQueue& queue) {
+  const auto first = queue.next(all);
+  return first == nullptr ? std::numeric_limits<double>::infinity() : queue.seconds_ahead(*first, all);
+}
+
 /// Returns the blocks of the links that accept tiles, in the order in which they are rendered.
 std::vector<std::uint64_t> emptied(RenderQueue& queue, const std::set<LinkId>& full = {}) {
   std::vector<std::uint64_t> blocks;
-  while (const auto next = queue.next([&](LinkId link) { return !full.contains(link); })) {
+  while (const auto next = queue.next([&](const BlockOrder& of) { return of.cancelled || !full.contains(of.link); })) {
     blocks.push_back(next->block.block());
     queue.remove(next->link, next->block.block());
   }
@@ -49,7 +57,6 @@ TEST(RenderQueue, returns_the_lowest_rank_first_and_equal_ranks_in_order_of_arri
 
 TEST(RenderQueue, keeps_the_block_in_progress_until_it_is_done_and_reports_preemption) {
   RenderQueue queue;
-  const auto all = [](LinkId) { return true; };
   queue.add(order(1, 1, 7));
   EXPECT_EQ(queue.next(all)->block.block(), 1u);
   queue.add(order(1, 2, 7));
@@ -75,7 +82,7 @@ std::string coordinators_at_work(RenderQueue& queue, std::vector<std::uint64_t> 
     go_on(link);
   }
   for (int i = 0; i < count; ++i) {
-    const auto next = queue.next([](LinkId) { return true; });
+    const auto next = queue.next(all);
     coordinators += static_cast<char>('0' + next->link);
     queue.remove(next->link, next->block.block());
     go_on(next->link);
@@ -136,7 +143,7 @@ std::shared_ptr<BlockOrder> order_of(std::uint64_t account, std::uint64_t block,
 std::map<std::uint64_t, double> served(RenderQueue& queue, int pieces) {
   std::map<std::uint64_t, double> seconds;
   for (int i = 0; i < pieces; ++i) {
-    const auto next = queue.next([](LinkId) { return true; });
+    const auto next = queue.next(all);
     queue.serve(next->link, next->block.block(), 0.001);
     seconds[next->block.account()] += 0.001;
   }
@@ -164,7 +171,6 @@ TEST(RenderQueue, counts_what_an_account_received_elsewhere) {
 
 TEST(RenderQueue, learns_what_an_account_that_waits_received_elsewhere_meanwhile) {
   RenderQueue queue;
-  const auto all = [](LinkId) { return true; };
   queue.add(order_of(1, 1, 0));
   queue.add(order_of(2, 2, kAtRest));
   const auto later = order_of(3, 3, 900'000);
@@ -185,24 +191,22 @@ TEST(RenderQueue, learns_what_an_account_that_waits_received_elsewhere_meanwhile
 
 TEST(RenderQueue, tells_how_long_the_first_block_stays_the_first) {
   RenderQueue queue;
-  const auto all = [](LinkId) { return true; };
-  EXPECT_EQ(queue.seconds_ahead(all), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(seconds_ahead(queue), std::numeric_limits<double>::infinity());
   queue.add(order_of(1, 1, 5000));
   queue.add(order_of(1, 2, 6000));
-  EXPECT_EQ(queue.seconds_ahead(all), std::numeric_limits<double>::infinity())
-      << "blocks of one account do not compete";
+  EXPECT_EQ(seconds_ahead(queue), std::numeric_limits<double>::infinity()) << "blocks of one account do not compete";
   queue.add(order_of(2, 3, kAtRest));
-  EXPECT_EQ(queue.seconds_ahead(all), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(seconds_ahead(queue), std::numeric_limits<double>::infinity());
   queue.add(order_of(3, 4, 9000));
-  EXPECT_NEAR(queue.seconds_ahead(all), 0.004, 1e-9);
+  EXPECT_NEAR(seconds_ahead(queue), 0.004, 1e-9);
   queue.serve(1, 1, 0.003);
-  EXPECT_NEAR(queue.seconds_ahead(all), 0.001, 1e-9);
+  EXPECT_NEAR(seconds_ahead(queue), 0.001, 1e-9);
   queue.serve(1, 1, 0.003);
   EXPECT_EQ(queue.next(all)->block.block(), 4u);
-  EXPECT_NEAR(queue.seconds_ahead(all), 0.002, 1e-9);
+  EXPECT_NEAR(seconds_ahead(queue), 0.002, 1e-9);
   queue.serve(1, 77, 1.0);
   queue.serve(1, 4, -1.0);
-  EXPECT_NEAR(queue.seconds_ahead(all), 0.002, 1e-9);
+  EXPECT_NEAR(seconds_ahead(queue), 0.002, 1e-9);
 }
 
 TEST(RenderQueue, renders_spare_work_after_all_other) {

@@ -7,7 +7,8 @@
 #include "renderfarm/render/bsdf/layered.h"
 #include "renderfarm/render/renderer.h"
 #include "renderfarm/render/requirements.h"
-#include "tests/data_sets/simple_scenes.h"
+#include "renderfarm/scene/thin_glass.h"
+#include "tests/data_sets/vitrine.h"
 
 namespace cyclorama::render {
 namespace {
@@ -169,6 +170,17 @@ TEST(Panes, do_not_count_a_lamp_twice_that_rays_meet_as_well) {
       }
     }
   }
+}
+
+TEST(Panes, of_a_vitrine_with_thick_plates_show_what_many_paths_through_the_glass_show) {
+  const auto mean = [](scene::Scene scene, int samples) {
+    const auto renderer = Renderer::build(std::move(scene), 2, nullptr);
+    return mean_of(radiance_of(**renderer, view_into_vitrine(16, samples, 4, 1)));
+  };
+  scene::Scene solid = vitrine(VitrineLight::kDisk);
+  scene::Scene thin = solid;
+  scene::make_plates_thin(&thin.model);
+  EXPECT_NEAR(mean(std::move(thin), 16) / mean(std::move(solid), 2048), 1.0, 0.02);
 }
 
 }  // namespace

@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <limits>
 
+#include "renderfarm/render/memory.h"
 #include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama::render {
@@ -101,6 +103,45 @@ TEST(Renderer, is_independent_of_tiling_and_threads) {
         }
       }
     }
+  }
+}
+
+/// A busy scene whose meshes have every kind of vertex data; one occurs twice.
+scene::Scene scene_of_all_vertex_data() {
+  scene::Scene scene = busy_scene();
+  for (scene::Mesh& mesh : scene.model.meshes) {
+    for (const auto& p : mesh.positions) {
+      const Eigen::Vector3f n = Eigen::Vector3f(p[0], p[1] + 0.01f, p[2]).normalized();
+      mesh.normals.push_back({n.x(), n.y(), n.z()});
+      mesh.colours.push_back({static_cast<std::uint8_t>(100.0f + 100.0f * n.x()), 200, 90, 255});
+    }
+  }
+  scene.model.materials[0].roughness = 0.3f;
+  scene.model.instances.push_back(scene.model.instances.back());
+  scene.model.instances.back().T_model_mesh.translate(Eigen::Vector3d(0, 1.2, 0));
+  return scene;
+}
+
+TEST(Renderer, makes_the_same_picture_in_every_memory_mode) {
+  PanoramaView view = view_from({0, 1.6, 0.5}, 96, 48, 1.0, -1.0);
+  view.quality.samples = 4;
+  view.quality.bounces = 2;
+  RgbImage fast;
+  std::size_t bytes = 0;
+  for (const MemoryMode mode : kMemoryModes) {
+    const auto renderer = Renderer::build(scene_of_all_vertex_data(), 2, nullptr, mode);
+    ASSERT_TRUE(renderer.has_value());
+    EXPECT_EQ((*renderer)->memory_mode(), mode);
+    RgbImage image;
+    (*renderer)->render(view, whole(view), &image, nullptr);
+    const std::size_t takes = (*renderer)->bvh_bytes() + (*renderer)->shading_bytes();
+    if (mode == MemoryMode::kFast) {
+      fast = image;
+    } else {
+      EXPECT_TRUE(std::ranges::equal(image.data(), fast.data())) << name_of(mode);
+      EXPECT_LT(takes, bytes) << name_of(mode);
+    }
+    bytes = takes;
   }
 }
 

@@ -88,16 +88,32 @@ TEST(Memory, is_read_from_the_line_of_available_memory) {
 
 TEST(Memory, refuses_a_scene_that_would_not_fit_with_its_name_and_need) {
   constexpr std::size_t kGigabyte = std::size_t{1} << 30;
-  EXPECT_TRUE(check_render_memory("hall", {1'000'000, 0, 0}, kGigabyte).has_value());
-  const Status status = check_render_memory("hall", {60'000'000, 0, 300'000'000}, kGigabyte);
+  const auto fits = [](const RenderNeed& need, std::size_t available) {
+    return choose_memory_mode("hall", need, available, std::nullopt).has_value();
+  };
+  EXPECT_TRUE(fits({1'000'000, 0, 0}, kGigabyte));
+  const auto status = choose_memory_mode("hall", {60'000'000, 0, 300'000'000}, kGigabyte, std::nullopt);
   ASSERT_FALSE(status.has_value());
   EXPECT_EQ(status.error().code(), ErrorCode::kSystem);
-  for (const char* const part : {"'hall'", "11.0 GB", "300.0 MB", "1.0 GB"}) {
+  for (const char* const part : {"'hall'", "4.3 GB", "300.0 MB", "1.0 GB"}) {
     EXPECT_THAT(status.error().message(), testing::HasSubstr(part));
   }
-  EXPECT_FALSE(check_render_memory("hall", {1, 0, 0}, 0).has_value());
-  EXPECT_FALSE(check_render_memory("hall", {1, 1'000'000, 0}, std::size_t{500} << 20).has_value());
-  EXPECT_FALSE(check_render_memory("hall", {1, 0, kGigabyte}, kGigabyte).has_value()) << "textures alone";
+  EXPECT_FALSE(fits({1, 0, 0}, 0));
+  EXPECT_FALSE(fits({1, 1'000'000, 0}, std::size_t{500} << 20));
+  EXPECT_FALSE(fits({1, 0, kGigabyte}, kGigabyte)) << "textures alone";
+}
+
+TEST(Memory, of_triangles_is_as_fast_as_fits_or_as_is_asked_for) {
+  constexpr RenderNeed kNeed{1'000'000, 0, 0};
+  const auto mode = [&](std::size_t megabytes, std::optional<MemoryMode> wanted) {
+    return choose_memory_mode("hall", kNeed, megabytes * 1'000'000, wanted);
+  };
+  EXPECT_EQ(*mode(300, std::nullopt), MemoryMode::kFast);
+  EXPECT_EQ(*mode(200, std::nullopt), MemoryMode::kMedium);
+  EXPECT_EQ(*mode(170, std::nullopt), MemoryMode::kCompact);
+  EXPECT_FALSE(mode(100, std::nullopt).has_value());
+  EXPECT_EQ(*mode(300, MemoryMode::kCompact), MemoryMode::kCompact);
+  EXPECT_FALSE(mode(200, MemoryMode::kFast).has_value()) << "no other is taken";
 }
 
 TEST(HighestSurfaceLevel, is_that_of_the_used_materials) {

@@ -17,7 +17,7 @@ namespace {
 /// A scene with its BVH, for tracing individual rays.
 struct Traced {
   explicit Traced(scene::Scene s) : scene(std::move(s)) {
-    auto built = Accelerator::build(scene, 1, nullptr, &traced);
+    auto built = Accelerator::build(scene, 1, nullptr, std::nullopt, &traced);
     EXPECT_TRUE(built.has_value());
     accelerator = *std::move(built);
   }
@@ -166,7 +166,7 @@ TEST(Surface, degenerate_triangles_give_finite_directions) {
   baked.mesh = &traced;
   for (const Placement* const at : {&placement, static_cast<const Placement*>(&baked)}) {
     for (std::size_t i = 0; i < 4; ++i) {
-      TriangleHit hit{&traced, at, scene.model.meshes[0].triangles[i], Vec3(0.2f, 0.3f, 0.5f), &traced.records[i]};
+      TriangleHit hit{&traced, at, scene.model.meshes[0].triangles[i], Vec3(0.2f, 0.3f, 0.5f), &traced.records[i], {}};
       const SurfacePoint point = surface_at(hit, Vec3(0, 0, -1));
       EXPECT_NEAR(point.facing.norm(), 1.0f, 1e-3f) << i;
       EXPECT_NEAR(point.normal.norm(), 1.0f, 1e-3f) << i;

@@ -28,7 +28,7 @@ struct Square {
     placement = place(traced, Eigen::Affine3d(linear));
   }
   [[nodiscard]] float lod(const Footprint& footprint, std::size_t triangle = 0) const {
-    const TriangleHit hit{&traced, &placement, mesh.triangles[triangle], Vec3::Constant(1.0f / 3.0f)};
+    const TriangleHit hit{&traced, &placement, mesh.triangles[triangle], Vec3::Constant(1.0f / 3.0f), nullptr, {}};
     return lod_of(hit, use, *mips, footprint);
   }
   scene::Mesh mesh = square_mesh(1.0f);
@@ -121,7 +121,7 @@ struct Floor {
     const float distance = eye.y() / -direction.y();
     const Vec3 at = (eye + distance * direction) / kSide + Vec3::Constant(0.5f);  // x and z are its uv.
     const bool first = at.x() >= at.z();
-    TriangleHit hit{&mesh, &placement, mesh.triangles[first ? 0 : 1], Vec3::Zero()};
+    TriangleHit hit{&mesh, &placement, mesh.triangles[first ? 0 : 1], Vec3::Zero(), nullptr, {}};
     hit.weights = first ? Vec3(1.0f - at.x(), at.z(), at.x() - at.z()) : Vec3(1.0f - at.z(), at.z() - at.x(), at.x());
     const Footprint footprint{share * kPx * distance, -direction.y()};
     return TexelReader(hit, footprint)

@@ -99,6 +99,13 @@ TEST(OscPose, reads_numbers_of_any_type_and_ignores_other_messages) {
   EXPECT_FALSE(stop_from_osc({"/cyclorama/stop", {2}}));
   EXPECT_FALSE(stop_from_osc({"/cyclorama/stop", {true, 1}}));
   EXPECT_FALSE(stop_from_osc({"/cyclorama/steer", {1}}));
+  EXPECT_EQ(captions_from_osc({"/cyclorama/captions", {1}}), OscCaptions{});
+  EXPECT_EQ(captions_from_osc({"/cyclorama/captions", {}}), OscCaptions{std::vector<std::string>()});
+  EXPECT_EQ(captions_from_osc({"/cyclorama/captions", {std::string("de"), std::string("zh")}}),
+            (OscCaptions{std::vector<std::string>{"de", "zh"}}));
+  EXPECT_FALSE(captions_from_osc({"/cyclorama/captions", {2}}));
+  EXPECT_FALSE(captions_from_osc({"/cyclorama/captions", {std::string("de"), 1}}));
+  EXPECT_FALSE(captions_from_osc({"/cyclorama/stop", {1}}));
 }
 
 }  // namespace

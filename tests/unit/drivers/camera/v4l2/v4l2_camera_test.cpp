@@ -73,12 +73,12 @@ TEST(V4l2Camera, decodes_jpeg_if_nothing_else_is_fast_enough) {
 
 TEST(V4l2Camera, takes_the_nearest_size_of_a_range) {
   V4l2CameraOptions options;
-  options.preferred = {643, 485, 55.0};
+  options.preferred = {637, 485, 55.0};
   Started started(grey_camera(), options);
   const auto first = started.next();
   ASSERT_TRUE(first.has_value());
   EXPECT_EQ((*first)->pixels.width(), 640);
-  EXPECT_EQ((*first)->pixels.height(), 480);
+  EXPECT_EQ((*first)->pixels.height(), 488);
   const auto second = started.next();
   ASSERT_TRUE(second.has_value());
   EXPECT_NEAR(to_milliseconds((*second)->captured_at - (*first)->captured_at), 1000.0 / 55.0, 0.01);
@@ -90,6 +90,16 @@ TEST(V4l2Camera, sets_a_short_constant_exposure) {
   EXPECT_EQ(controls.at(V4L2_CID_EXPOSURE_AUTO).value, V4L2_EXPOSURE_MANUAL);
   EXPECT_EQ(controls.at(V4L2_CID_EXPOSURE_AUTO_PRIORITY).value, 0);
   EXPECT_EQ(controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 50);
+}
+
+TEST(V4l2Camera, sets_the_exposure_that_is_nearest_in_the_cameras_steps) {
+  // 5 ms are asked for, 50 of its units.
+  for (const auto& [step, nearest] : {std::pair(20L, 41L), std::pair(35L, 36L), std::pair(28L, 57L)}) {
+    FakeVideoDevice device = usb_camera();
+    device.controls[V4L2_CID_EXPOSURE_ABSOLUTE] = {1, 5001, step, 1};
+    Started started(device);
+    EXPECT_EQ(started.video.device(0).controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, nearest) << step;
+  }
 }
 
 TEST(V4l2Camera, reads_colours_on_request_and_fixes_the_white_balance) {

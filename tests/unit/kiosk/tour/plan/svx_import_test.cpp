@@ -14,7 +14,8 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 
-/// A document of Voyager's schema: two tours, snapshots of the camera and of a model, annotations with and without view.
+/// A document of Voyager's schema: two tours, snapshots of the camera and of a model, annotations with and without
+/// view.
 constexpr const char* kDocument = R"({
   "asset": {"type": "application/si-dpo-3d.document+json", "version": "1.0"},
   "scene": 0,

@@ -116,6 +116,36 @@ TEST(TourPlan, names_line_and_remedy_of_every_mistake) {
   EXPECT_THAT(mistake(many), HasSubstr("at most 256"));
 }
 
+TEST(TourPlan, reads_how_it_writes_on_the_wall) {
+  const auto plain = parse_tour_plan(kHead + stop("a", "[0, 0]"), "tour.toml");
+  ASSERT_TRUE(plain);
+  EXPECT_FALSE(plain->captions) << "nothing is written unless the curator says so";
+  const std::string captions = std::string(kHead) + "[captions]\n";
+  const auto plan = parse_tour_plan(captions + "letters_arcmin = 60\nelevation_deg = -10\n" +
+                                        stop("a", "[0, 0]", "[stop.captions]\nzh-Hant = \"a.vtt\"\n"),
+                                    "tour.toml");
+  ASSERT_TRUE(plan) << plan.error().message();
+  EXPECT_EQ(plan->captions->shown, std::vector<std::string>{"en"});
+  EXPECT_NEAR(plan->captions->letters_rad, kRadiansPerDegree, 1e-12);
+  EXPECT_EQ(plan->stops[0].caption_files.at("zh-Hant"), "a.vtt");
+  const auto again = parse_tour_plan(to_toml(*plan), "again.toml");
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_EQ(to_toml(*again), to_toml(*plan));
+
+  EXPECT_THAT(mistake(captions + "show = [\"fr\"]\n" + stop("a", "[0, 0]")), HasSubstr("has 'fr', which is not among"));
+  EXPECT_THAT(mistake(captions + "show = [\"en\", \"zh-Hant\", \"en\"]\n" + stop("a", "[0, 0]")),
+              HasSubstr("at most 2"));
+  EXPECT_THAT(mistake(captions + stop("a", "[0, 0]", "[stop.captions]\nen = \"../secret.vtt\"\n")),
+              HasSubstr("name a file beside tour.toml"));
+  EXPECT_THAT(mistake(kHead + stop("a", "[0, 0]", "[stop.captions]\nen = \"a.vtt\"\n")),
+              HasSubstr("add a table [captions]"));
+}
+
+TEST(TourPlan, refuses_a_text_of_10000_letters_with_the_number_that_is_allowed) {
+  EXPECT_THAT(mistake(kHead + stop("a", "[0, 0]", "[stop.text]\nen = \"" + std::string(10000, 'x') + "\"\n")),
+              HasSubstr("at most 4000"));
+}
+
 TEST(TourPlan, of_the_demo_is_one_of_its_grotto) {
   const char* const source = std::getenv("CYCLORAMA_SOURCE");  // NOLINT(concurrency-mt-unsafe): nobody sets it.
   const auto text =

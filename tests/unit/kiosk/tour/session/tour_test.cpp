@@ -356,7 +356,7 @@ TEST(Tour, sends_no_presentation_time_to_a_single_display_and_the_same_to_severa
   ASSERT_TRUE(turn(second, [](const auto& d) { return d.frames_complete() > 5 && d.headings_with_show_at() > 5; }));
   EXPECT_TRUE(tour.eventually([&] { return tour.gauge("frame_lead_ms") == 32.0; }));
   EXPECT_TRUE(tour.eventually([&] { return tour.gauge("synchronised_percent") == 75.0; }));
-  EXPECT_THAT(tour.status().state(), HasSubstr("2 displays synchronised (75.00 %)"));
+  EXPECT_THAT(tour.status().state(), HasSubstr("The displays are synchronised (75.00 %)"));
   EXPECT_EQ(tour.status().tables(0).rows_size(), 2);
   first->leave();
   second.leave();

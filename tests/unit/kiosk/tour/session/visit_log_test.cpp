@@ -220,6 +220,7 @@ class SilentDisplay final : public DisplayLink {
  public:
   void send_heading(const wire::Heading&, const wire::ShowAt*) override {}
   std::optional<std::uint64_t> send(const SharedShowMessage&) override { return std::nullopt; }
+  void send_caption(const SharedShowMessage&) override {}
   void close(const Error&) override {}
 };
 

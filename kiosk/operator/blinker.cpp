@@ -43,11 +43,11 @@ Status Blinker::blink(const std::string& projector, int width_px, int height_px)
     trouble_.clear();
   }
   thread_ = std::jthread([this, projector, white = std::string(reinterpret_cast<const char*>(png.data()), png.size())](
-                             std::stop_token stop) { run(std::move(stop), projector, white); });
+                             const std::stop_token& stop) { run(stop, projector, white); });
   return Done{};
 }
 
-void Blinker::run(std::stop_token stop, const std::string& projector, const std::string& white) {
+void Blinker::run(const std::stop_token& stop, const std::string& projector, const std::string& white) {
   std::string trouble;
   if (const auto channel = make_channel(display_)) {
     const auto stub = wire::PatternScreen::NewStub(*channel);

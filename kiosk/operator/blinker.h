@@ -28,7 +28,7 @@ class Blinker {
   [[nodiscard]] std::string now() const;
 
  private:
-  void run(std::stop_token stop, const std::string& projector, const std::string& white);
+  void run(const std::stop_token& stop, const std::string& projector, const std::string& white);
 
   const std::string display_;
   std::mutex ordering_;       ///< Guards the thread.

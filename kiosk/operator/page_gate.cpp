@@ -81,11 +81,11 @@ bool lets_pass(const httplib::Request& request, Sessions* sessions, std::span<co
     refuse(421, "without a PIN this page answers only to localhost", response);
     return false;
   }
-  const bool is_open_to_all = (request.method == "POST" && std::ranges::find(kOpenRequests, request.path) != kOpenRequests.end()) ||
-                              (!changes && (request.path == "/door" || request.path == "/texts")) ||
-                              (!changes && std::any_of(login.begin(), login.end(), [&](const PageFile& file) {
-                                return file.path == request.path;
-                              }));
+  const bool is_open_to_all =
+      (request.method == "POST" && std::ranges::find(kOpenRequests, request.path) != kOpenRequests.end()) ||
+      (!changes && (request.path == "/door" || request.path == "/texts")) ||
+      (!changes &&
+       std::any_of(login.begin(), login.end(), [&](const PageFile& file) { return file.path == request.path; }));
   const bool is_scraper = !changes && request.path == "/metrics" && admits_scraper &&
                           admits_scraper(request.get_header_value("Authorization"));
   if (is_open_to_all || is_scraper || sessions->is_open(cookie_in(request, kSessionCookie))) return true;

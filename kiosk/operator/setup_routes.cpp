@@ -81,7 +81,7 @@ void serve_steps(httplib::Server& server, SetupService* setup) {
   });
 }
 
-void serve_papers(httplib::Server& server, SetupService* setup, std::function<SheetFacts()> sheet) {
+void serve_papers(httplib::Server& server, SetupService* setup, const std::function<SheetFacts()>& sheet) {
   server.Get(R"(/setup/(board|wand)\.pdf)", [](const httplib::Request& request, httplib::Response& response) {
     const Paper& paper = papers().front();
     response.set_content(to_pdf(request.matches[1].str() == "board" ? board_sheet(paper) : wand_sheet(0, paper)),
@@ -104,11 +104,12 @@ void serve_papers(httplib::Server& server, SetupService* setup, std::function<Sh
 
 }  // namespace
 
-void serve_setup(httplib::Server& server, SetupService* setup, Sessions* sessions, std::function<SheetFacts()> sheet) {
+void serve_setup(httplib::Server& server, SetupService* setup, Sessions* sessions,
+                 const std::function<SheetFacts()>& sheet) {
   server.Get("/install",
              [](const httplib::Request&, httplib::Response& response) { response.set_redirect("/install.html", 303); });
   serve_steps(server, setup);
-  serve_papers(server, setup, std::move(sheet));
+  serve_papers(server, setup, sheet);
   if (sessions == nullptr) return;
   server.Post("/first-pin", [setup, sessions](const httplib::Request& request, httplib::Response& response) {
     const Json json = Json::parse(request.body, nullptr, false);

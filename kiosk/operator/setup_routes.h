@@ -32,6 +32,7 @@ struct SheetFacts {
 };
 
 /// `setup` and `sessions` are borrowed; `sessions` may be null. `sheet` returns the present facts.
-void serve_setup(httplib::Server& server, SetupService* setup, Sessions* sessions, std::function<SheetFacts()> sheet);
+void serve_setup(httplib::Server& server, SetupService* setup, Sessions* sessions,
+                 const std::function<SheetFacts()>& sheet);
 
 }  // namespace cyclorama::operations

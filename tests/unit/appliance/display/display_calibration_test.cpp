@@ -120,7 +120,7 @@ TEST_F(DisplayCalibrationTest, uses_a_new_calibration_ignores_a_bad_one_and_can_
   EXPECT_EQ(edge(), moved_to);
   show_halves();
   EXPECT_TRUE(wait_until([&] {
-    return display_->inspection().status().state().find("the newest calibration is not used") != std::string::npos;
+    return display_->inspection().status().state().find("The newest calibration is not used") != std::string::npos;
   }));
 
   ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, "2026-01-02T00-00-00Z")));

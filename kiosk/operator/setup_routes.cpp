@@ -3,6 +3,9 @@
 
 #include <httplib.h>
 
+// httplib.h includes resolv.h, whose macro breaks what Eigen, in the sheets' headers, calls by this name.
+#undef _res
+
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>

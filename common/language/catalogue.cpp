@@ -171,7 +171,7 @@ bool Catalogue::translate_parts(std::string_view english, int depth, std::string
     const bool has_end = end != rest;
     // Commas also stand within sentences, so both sides must be known.
     if (between == ", " ? !has_begin || !has_end : !has_begin && !has_end) continue;
-    *ret_text = begin + std::string(between) + end;
+    *ret_text = begin.append(between).append(end);
     return true;
   }
   return false;

@@ -136,10 +136,13 @@ class TouchedCells {
     }
   }
   [[nodiscard]] bool touches(const AlignedBox3d& box) const {
-    for (double x = box.min().x() - cell_; x <= box.max().x() + cell_; x += cell_) {
-      for (double y = box.min().y() - cell_; y <= box.max().y() + cell_; y += cell_) {
-        for (double z = box.min().z() - cell_; z <= box.max().z() + cell_; z += cell_) {
-          if (cells_.contains(key_of({x, y, z}))) return true;
+    const Vector3d first = box.min() - Vector3d::Constant(cell_);
+    const Eigen::Vector3i steps =
+        ((box.max() - first + Vector3d::Constant(cell_)) / cell_).array().floor().cast<int>();
+    for (int x = 0; x <= steps.x(); ++x) {
+      for (int y = 0; y <= steps.y(); ++y) {
+        for (int z = 0; z <= steps.z(); ++z) {
+          if (cells_.contains(key_of(first + cell_ * Vector3d(x, y, z)))) return true;
         }
       }
     }

@@ -67,7 +67,7 @@ TEST(Caption, lies_in_the_picture_where_its_direction_is) {
 /// Heads of one radian, straight ahead, on which a plate of 0.4 x 0.2 with letters on its left half is written.
 class CaptionOnHeads : public testing::Test {
  protected:
-  void start(std::vector<HeadPlan> plans, std::uint8_t code) {
+  void start(const std::vector<HeadPlan>& plans, std::uint8_t code) {
     std::vector<output::HeadMode> modes;
     for (std::size_t i = 0; i < plans.size(); ++i)
       modes.push_back({std::string(1, static_cast<char>('a' + i)), kWidth, kHeight});

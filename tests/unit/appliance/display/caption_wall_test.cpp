@@ -204,7 +204,8 @@ TEST_P(CaptionWallTest, photographs_of_four_scripts) {
     const std::string wall_name = std::string(GetParam()).substr(0, std::string(GetParam()).find('.'));
     for (const char* const distance : {"far", "near"}) {
       const simulated::RoomPicture photographer(room_, eye);
-      const std::string file = wall_name + "-" + name + "-" + distance + ".png";
+      std::string file = wall_name;
+      file.append("-").append(name).append("-").append(distance).append(".png");
       ASSERT_TRUE(write_png(std::filesystem::path(screenshots()) / file, photographer.photograph(lit)));
       eye.lens.focal_px *= 2.6;
       eye.lens.centre_v_px += 620.0;

@@ -96,8 +96,10 @@ TEST(AsSoldLens, waves_are_inverted_and_differentiated) {
   const TrueLens& lens = preset.truth.projectors[0].lens;
   const TrueLens plain(lens.pinhole(), lens.radial(), lens.tangential());
   double largest_px = 0.0;
-  for (double v = 2.5; v < kHeight; v += 11.0) {
-    for (double u = 2.5; u < kWidth; u += 11.0) {
+  for (int row = 0; 11 * row + 2.5 < kHeight; ++row) {
+    for (int column = 0; 11 * column + 2.5 < kWidth; ++column) {
+      const double u = 11 * column + 2.5;
+      const double v = 11 * row + 2.5;
       const auto direction = lens.direction_at(u, v);
       ASSERT_TRUE(direction);
       EXPECT_NEAR((*lens.pixel_of(*direction) - Eigen::Vector2d(u, v)).norm(), 0.0, 1e-9);

@@ -270,8 +270,8 @@ Status HeadPainter::set_caption(HeadPrograms* programs, const Caption* caption) 
     for (int column = 0; column < kColumns; ++column) {
       Eigen::AlignedBox2d cell;
       for (const int corner : {0, 1, 2, 3}) {
-        const auto index = static_cast<std::size_t>((row + corner / 2) * (kColumns + 1) + column + corner % 2);
-        Eigen::Vector2d at = on_caption(picture_, to_caption_, grid_[index]);
+        const int index = (row + corner / 2) * (kColumns + 1) + column + corner % 2;
+        Eigen::Vector2d at = on_caption(picture_, to_caption_, grid_[static_cast<std::size_t>(index)]);
         at.x() -= turn * std::floor((at.x() - 0.5) / turn + 0.5);
         if (at.allFinite()) cell.extend(at);
       }
@@ -333,8 +333,9 @@ void HeadPainter::use_caption(const HeadProgram& program, const TurnedPicture& s
 
 void HeadPainter::draw_for(Eye eye, const Pass& pass, int x_px, int y_px) const {
   const auto elements = [this](GLsizei first, GLsizei count) {
+    const std::size_t offset = static_cast<std::size_t>(first) * sizeof(std::uint32_t);
     gl_->DrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT,
-                      reinterpret_cast<const void*>(static_cast<std::size_t>(first) * sizeof(std::uint32_t)));
+                      reinterpret_cast<const void*>(offset));  // NOLINT(performance-no-int-to-ptr)
   };
   if (pass.caption != nullptr) {
     const TurnedPicture& other = pass.other == nullptr ? *pass.shown : *pass.other;

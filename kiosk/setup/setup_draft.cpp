@@ -45,8 +45,9 @@ Result<std::map<std::string, StepDraft>> parse_draft(const std::string& text) {
     const auto revision = value["revision"].get<std::int64_t>();
     if (revision < 0 || revision > 1'000'000'000) return bad;
     step.revision = static_cast<int>(revision);
-    const auto word = [&](const char* key) {
-      return value.contains(key) && value[key].is_string() ? value[key].get<std::string>() : std::string();
+    const auto word = [&step_json = value](const char* key) {
+      const auto found = step_json.find(key);
+      return found != step_json.end() && found->is_string() ? found->get<std::string>() : std::string();
     };
     step.by = word("by");
     step.at = word("at");

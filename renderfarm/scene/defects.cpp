@@ -137,8 +137,7 @@ class TouchedCells {
   }
   [[nodiscard]] bool touches(const AlignedBox3d& box) const {
     const Vector3d first = box.min() - Vector3d::Constant(cell_);
-    const Eigen::Vector3i steps =
-        ((box.max() - first + Vector3d::Constant(cell_)) / cell_).array().floor().cast<int>();
+    const Eigen::Vector3i steps = ((box.max() - first + Vector3d::Constant(cell_)) / cell_).array().floor().cast<int>();
     for (int x = 0; x <= steps.x(); ++x) {
       for (int y = 0; y <= steps.y(); ++y) {
         for (int z = 0; z <= steps.z(); ++z) {

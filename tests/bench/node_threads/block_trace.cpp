@@ -45,7 +45,7 @@ class RecordingCrew final : public render::Crew {
 
 wire::RenderBlock block_of(const TracedPicture& picture, const node::BlockRenderer& renderer, int index) {
   wire::RenderBlock block;
-  block.set_block(static_cast<std::uint64_t>(index + 2));
+  block.set_block(static_cast<std::uint64_t>(index) + 2);
   block.set_session(1);
   block.set_width_px(static_cast<std::uint32_t>(picture.width_px));
   block.set_height_px(static_cast<std::uint32_t>(picture.height_px));
